@@ -28,7 +28,7 @@ features: ## Check the library and the command without their cargo features
 	cargo check -p taotie-cli --no-default-features
 
 campaign: tools ## Run the tests that take minutes each, in release builds; see also faults, fuzz, memory, brute-force and same-bytes
-	cargo test -p taotie --no-default-features --config 'profile.dev.package.taotie.opt-level=0' --test features
+	cargo test -p taotie-io --no-default-features --config "profile.dev.package.taotie-io.opt-level=0" --test features
 	cargo check -p taotie --no-default-features --features basis,exr
 	cargo check -p taotie --no-default-features --features avif,draco,webp
 	cargo test --release --workspace --lib --bins --tests -- --ignored
@@ -238,6 +238,7 @@ benches/viewer/node_modules/three: benches/viewer/package-lock.json
 
 bless: ## Accept the current images and outputs as correct; review the difference before committing
 	TAOTIE_BLESS=1 cargo test -p taotie --test render golden::
+	TAOTIE_BLESS=1 cargo test -p taotie --test architecture public_names
 	SNAPSHOTS=overwrite cargo test -p taotie-cli --test cli
 
 # Installs the requirements of the tests other than cargo: parts of the toolchain, browsers for pages and three.js,

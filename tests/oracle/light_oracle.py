@@ -1,4 +1,4 @@
-"""Energy, layers and antialiasing for `crates/taotie/tests/oracle/light.rs`, in double precision.
+"""Energy, layers and antialiasing for `crates/taotie-engine/tests/oracle/light.rs`, in double precision.
 
 Written from the papers named at each function. Directional albedos are integrals over light directions on a grid of
 polar angle and azimuth that is graded towards the mirror direction, or the mean over randomly drawn visible facets,

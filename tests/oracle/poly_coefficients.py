@@ -1,4 +1,4 @@
-"""Derive the polynomial coefficients of `crates/taotie/src/math/poly.rs`.
+"""Derive the polynomial coefficients of `crates/taotie-engine/src/math/poly.rs`.
 
 Weighted minimax approximation by the Remez exchange algorithm in 50-digit arithmetic. Two polynomials:
 

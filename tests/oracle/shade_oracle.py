@@ -1,4 +1,4 @@
-"""Reflectance values for `crates/taotie/tests/oracle/shade.rs`, in double precision.
+"""Reflectance values for `crates/taotie-engine/tests/oracle/shade.rs`, in double precision.
 
 Written from the papers named at each function, with textbook forms, angles and complex numbers where the renderer
 uses rearranged forms. Writes `shade_oracle.json` next to this file:

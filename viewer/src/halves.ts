@@ -1,4 +1,4 @@
-// Decodes half-float images encoded by crates/taotie-report/src/viewer/halves.rs.
+// Decodes half-float images encoded by crates/taotie-report/src/viewer/light.rs.
 
 const ONE = 0x3c00;
 

@@ -1,5 +1,5 @@
 // Writes the initial view and the bookmarks as an IIIF manifest of version 4, like
-// crates/taotie-report/src/viewer/iiif: a scene with its model, and for each view a camera, lights and a comment.
+// crates/taotie-report/src/viewer/iiif.rs: a scene with its model, and for each view a camera, lights and a comment.
 
 import { Vector3 } from "three";
 import type { Bookmark, Orbit } from "./data";

@@ -7,7 +7,7 @@ interface Scale {
     size: number;
 }
 
-/** The same units as in crates/taotie/src/length.rs. */
+/** The same units as in crates/taotie-engine/src/length.rs. */
 const SCALES: Scale[] = [
     { below: 1e-4, name: "µm", size: 1e-6 },
     { below: 0.1, name: "mm", size: 1e-3 },

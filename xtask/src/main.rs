@@ -61,7 +61,7 @@ enum Task {
         #[arg(long)]
         check: bool,
     },
-    /// Generate the tables of directional albedos in crates/taotie/src/shade/dfg.
+    /// Generate the tables of directional albedos in crates/taotie-engine/src/shade/dfg.
     Tables {
         /// Write nothing; list the stale files and exit with 1.
         #[arg(long)]

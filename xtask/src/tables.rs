@@ -6,7 +6,7 @@ use std::fmt::Write;
 use std::path::Path;
 use taotie_engine::shade::dfg::{COLUMNS, ROWS, column_cosine, integrate, row_roughness};
 
-/// Returns the file with the tables in `crates/taotie/src/shade/dfg`.
+/// Returns the file with the tables in `crates/taotie-engine/src/shade/dfg`.
 pub fn generated(root: &Path) -> Generated {
     let slope = |roughness: f64| roughness * roughness;
     let tables = [
@@ -15,7 +15,7 @@ pub fn generated(root: &Path) -> Generated {
         source("SHEEN", "Sheen", &table(|v, r| [integrate::sheen(v, r)])),
     ];
     let header = "//! Tables of directional albedos. Made by `cargo run -p xtask -- tables`: do not edit.\n";
-    let file = root.join("crates/taotie/src/shade/dfg/albedos.rs");
+    let file = root.join("crates/taotie-engine/src/shade/dfg/albedos.rs");
     let text = header.to_owned() + &tables.concat();
     Generated { files: [(file, Content::Text(text))].into(), folder: None }
 }

@@ -5,29 +5,24 @@
 //! asset, and sends it a [`Job`]; that program calls [`work`]. [`audit`] checks the written files against the
 //! manifest, and [`write_page`] shows all of it.
 
-mod address;
 mod audit;
 mod collection;
 mod driver;
-mod input;
 mod job;
 mod manifest;
-mod memory;
-mod objects;
 mod page;
 mod record;
 mod settings;
 mod store;
 mod work;
 
-pub use address::VERSION;
 pub use audit::{Audit, AuditOptions, Fault, audit};
 pub use collection::{Collection, Found, RunSettings, Scan, duration};
 pub use driver::{DriveOptions, Event, Planned, Remote, Summary, Told, Worker, drive};
-pub use input::InputFile;
 pub use job::{Go, Job, Message, Outcome};
 pub use manifest::{History, Manifest, Shard};
 pub use page::write_page;
-pub use record::{FileEntry, Part, Record, ShortFigures, Stage, State};
+pub use record::{FileEntry, InputFile, Part, Record, ShortFigures, Stage, State};
 pub use settings::{AssetSettings, Settings, Thumbnail, Turntable, ViewerPage};
+pub use store::VERSION;
 pub use work::{Host, run as work};

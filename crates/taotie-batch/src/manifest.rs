@@ -54,7 +54,7 @@ impl std::str::FromStr for Shard {
 impl Shard {
     /// Returns true if an asset belongs to this shard, which depends only on its id.
     pub fn covers(self, id: &str) -> bool {
-        let hash = crate::address::of(&id);
+        let hash = crate::store::hash_of(&id);
         let start = u64::from_str_radix(&hash[..16], 16).unwrap_or_default();
         start % u64::from(self.count) == u64::from(self.number - 1)
     }

@@ -1,11 +1,17 @@
 //! The storage of a collection's files: objects under their content addresses, and readable links to them.
+//!
+//! A content address is the SHA-256 of everything that files depend on. The description stored with an object
+//! contains nothing that depends on the machine or on when it was made.
 
-use crate::objects::Object;
-use crate::record::{FileEntry, Part};
-use serde::Deserialize;
+use crate::record::{FileEntry, InputFile, Part, SCHEMA, ShortFigures};
+use crate::settings::AssetSettings;
 use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
 use std::fs;
 use std::path::{Path, PathBuf};
+use taotie::Warning;
+use taotie::asset::Figures;
 use taotie_engine::{Error, Result};
 use taotie_io::{FileSet, read_bytes};
 
@@ -146,4 +152,169 @@ fn link(target: &str, path: &Path) -> std::io::Result<()> {
 #[cfg(not(unix))]
 fn link(_: &str, _: &Path) -> std::io::Result<()> {
     Ok(())
+}
+
+/// The description stored with an object.
+pub trait Object: Serialize + DeserializeOwned {
+    /// Returns its files, excluding the description itself.
+    fn files(&self) -> &[FileEntry];
+    /// Returns the kind of its files.
+    fn kind(&self) -> &str;
+
+    /// Returns `true` if its figures are those of this version.
+    fn is_current(&self) -> bool {
+        true
+    }
+
+    /// Converts it to a part of an asset.
+    fn into_part(self, address: String, reused: bool) -> Part {
+        Part { kind: self.kind().into(), address, files: self.files().to_vec(), reused }
+    }
+}
+
+/// An asset with its proof.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct AssetObject {
+    /// `asset`.
+    pub kind: String,
+    /// The version of its figures, [`SCHEMA`].
+    #[serde(default)]
+    pub schema: u32,
+    /// The version of the program.
+    pub version: String,
+    /// Triangles of the scan.
+    pub triangles_in: usize,
+    /// Triangles of each level of detail, the finest first.
+    pub triangles: Vec<usize>,
+    /// Texels across and down.
+    pub size: [u32; 2],
+    /// The measured figures.
+    pub figures: Figures,
+    /// Faults that were fixed.
+    pub warnings: Vec<Warning>,
+    /// Its files, the model first.
+    pub files: Vec<FileEntry>,
+}
+
+/// A file derived from an asset's own files.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct DerivedObject {
+    /// Its kind.
+    pub kind: String,
+    /// The version of the program.
+    pub version: String,
+    /// Its files.
+    pub files: Vec<FileEntry>,
+}
+
+impl Object for AssetObject {
+    fn files(&self) -> &[FileEntry] {
+        &self.files
+    }
+
+    fn kind(&self) -> &str {
+        &self.kind
+    }
+
+    fn is_current(&self) -> bool {
+        self.schema == SCHEMA
+    }
+}
+
+impl Object for DerivedObject {
+    fn files(&self) -> &[FileEntry] {
+        &self.files
+    }
+
+    fn kind(&self) -> &str {
+        &self.kind
+    }
+}
+
+impl AssetObject {
+    /// Returns the figures shown in lists.
+    pub fn short(&self) -> ShortFigures {
+        ShortFigures {
+            triangles_in: self.triangles_in,
+            triangles: self.triangles.clone(),
+            size: self.size,
+            ..ShortFigures::of(&self.figures)
+        }
+    }
+}
+
+impl DerivedObject {
+    /// Describes files that have been written, given as names and paths.
+    ///
+    /// # Errors
+    /// Read errors.
+    pub fn of(kind: &str, files: Vec<(String, PathBuf)>) -> Result<Self> {
+        let files = entries(&files)?;
+        Ok(Self { kind: kind.into(), version: VERSION.into(), files })
+    }
+}
+
+/// Describes files that have been written, given as names and paths.
+///
+/// # Errors
+/// Read errors.
+pub fn entries(files: &[(String, PathBuf)]) -> Result<Vec<FileEntry>> {
+    files.iter().map(|(name, path)| FileEntry::of(name, path)).collect()
+}
+
+/// The version of the program; files depend on it too.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// Returns the address of an asset's files: the hash of its input, its settings and the version.
+pub fn address_of_asset(settings: &AssetSettings, input: &[InputFile]) -> String {
+    let input: Vec<_> = input.iter().map(|file| [&file.name, &file.sha256]).collect();
+    hash_of(&("asset", VERSION, settings.with_names(), input))
+}
+
+/// Returns the address of files derived from the asset with the address `asset`.
+pub fn address_of_derived(kind: &str, settings: &impl Serialize, asset: &str) -> String {
+    hash_of(&(kind, VERSION, settings, asset))
+}
+
+/// Returns the SHA-256 of a value as JSON, hexadecimal. Struct fields are hashed in declaration order.
+pub fn hash_of(value: &impl Serialize) -> String {
+    let text = serde_json::to_string(value).expect("all keys are text");
+    hexadecimal(&Sha256::digest(text))
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use taotie::asset::{BakeOptions, MeshSource};
+
+    fn file(name: &str, sha256: &str) -> InputFile {
+        InputFile { name: name.into(), sha256: sha256.into(), bytes: 1, ..InputFile::default() }
+    }
+
+    #[test]
+    fn an_address_depends_on_content_names_and_options_and_on_no_folder() {
+        let low = |path: &str| AssetSettings {
+            bake: BakeOptions { low: Some(MeshSource::File(path.into())), ..BakeOptions::default() },
+            ..AssetSettings::default()
+        };
+        let address = address_of_asset(&low("a/low.glb"), &[file("x.ply", "1")]);
+        assert_eq!(address.len(), 64);
+        assert_eq!(address, address_of_asset(&low("b/low.glb"), &[file("x.ply", "1")]));
+        let others = [
+            address_of_asset(&low("a/other.glb"), &[file("x.ply", "1")]),
+            address_of_asset(&low("a/low.glb"), &[file("y.ply", "1")]),
+            address_of_asset(&low("a/low.glb"), &[file("x.ply", "2")]),
+            address_of_asset(&low("a/low.glb"), &[file("x.ply", "1"), file("x.png", "1")]),
+            address_of_asset(&AssetSettings { report: true, ..low("a/low.glb") }, &[file("x.ply", "1")]),
+        ];
+        assert!(others.iter().all(|other| *other != address));
+        assert_ne!(
+            address_of_derived("thumbnail", &1, &address),
+            address_of_derived("turntable", &1, &address)
+        );
+    }
 }

@@ -5,19 +5,16 @@
 
 mod bake;
 mod batch;
-mod choice;
 mod compare;
 mod completions;
 mod console;
 mod demo;
 mod diff;
 mod inspect;
-mod limits;
 mod materials;
 mod normals;
 mod options;
 mod proof_args;
-mod renamed;
 mod render;
 mod running;
 mod shader;
@@ -26,7 +23,8 @@ mod studio;
 mod verify;
 mod view;
 
-use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap::builder::UnknownArgumentValueParser;
+use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::ffi::OsString;
 use std::process::ExitCode;
 
@@ -99,7 +97,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
 
 /// Like [`run`], but returns the exit code for the process.
 pub fn exit_code(args: impl IntoIterator<Item = OsString>) -> u8 {
-    let matches = renamed::with_renamed_options(Cli::command()).try_get_matches_from(args);
+    let matches = with_renamed_options(Cli::command()).try_get_matches_from(args);
     let cli = match matches.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
         Err(error) => {
@@ -140,4 +138,31 @@ pub fn exit_code(args: impl IntoIterator<Item = OsString>) -> u8 {
             2
         }
     }
+}
+
+/// Options of `bake` in earlier versions, and what replaces each: using one is an error that states its replacement.
+const OPTIONS_OF_BAKE: [(&str, &str); 6] = [
+    ("for", "--preset"),
+    ("webp", "--images webp"),
+    ("webp-quality", "--images webp:QUALITY"),
+    ("jpeg", "--images jpeg:QUALITY"),
+    ("ktx2", "--images ktx2"),
+    ("uastc-rdo", "--images ktx2:LAMBDA"),
+];
+
+/// Adds earlier options to the command, hidden from help and completions.
+fn with_renamed_options(command: clap::Command) -> clap::Command {
+    command
+        .mut_subcommand("bake", |bake| bake.args(OPTIONS_OF_BAKE.iter().map(|(old, new)| renamed(old, new))))
+}
+
+fn renamed(old: &'static str, new: &str) -> Arg {
+    // A flag has no value, so that the parser sees an empty one.
+    Arg::new(old)
+        .long(old)
+        .hide(true)
+        .value_name("VALUE")
+        .num_args(0..=1)
+        .default_missing_value("")
+        .value_parser(UnknownArgumentValueParser::suggest(format!("use `{new}` instead")))
 }

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use taotie_engine::math::Vec3;
 use taotie_engine::scene::{Material, PRESETS, Preset, preset};
 use taotie_engine::shade::fresnel::{COS_82, f_schlick};
-use taotie_report::swatches;
+use taotie_report::sheet::swatches;
 use taotie_report::table::Table;
 
 /// Version of the JSON that `--json` prints.
@@ -60,7 +60,7 @@ pub fn run(args: &MaterialsArgs) -> Result<()> {
     if let Some(path) = &args.output {
         let files = stop::files();
         files.claim(path)?;
-        files.write_png(path, &swatches::sheet(args.size)?.png())?;
+        files.write_png(path, &swatches(args.size)?.png())?;
         files.commit()?;
     }
     let entries: Vec<Entry> = PRESETS.iter().filter_map(Entry::new).collect();

@@ -1,12 +1,13 @@
-//! Parsers of option values that several subcommands share.
+//! Values of options that several subcommands share: their parsers, and the choice of an item of a file.
 
 use anyhow::anyhow;
 use std::fmt::Display;
-use taotie::asset::{AUTO_SIZE, Bytes};
-use taotie::studio::parse;
+use taotie::Bytes;
+use taotie::asset::BakeOptions;
 use taotie_engine::Error;
 use taotie_engine::math::Vec3;
 use taotie_engine::names::Named;
+use taotie_io::parse;
 
 /// Parses a value by its name, ignoring spaces around it in a list; the error lists the names.
 pub fn named<T: Named>(value: &str) -> Result<T, String> {
@@ -40,7 +41,7 @@ pub fn square<const LEAST: u32>(value: &str) -> Result<u32, String> {
 /// Parses the size of maps: like [`size`], 16 to 16384 texels a side, or `auto`.
 pub fn map_size(value: &str) -> Result<[u32; 2], String> {
     if value == "auto" {
-        return Ok([AUTO_SIZE; 2]);
+        return Ok([BakeOptions::AUTO_SIZE; 2]);
     }
     let size = size(value)?;
     match size.iter().find(|side| !(16..=16_384).contains(*side)) {
@@ -118,6 +119,25 @@ pub fn under(option: impl Display, error: Error) -> anyhow::Error {
     }
 }
 
+/// Returns the index of the requested item of a file, by name, or by number from 0 only if no name matches; `one` and
+/// `many` are the words for it. The error lists all items.
+pub fn chosen(asked: &str, [one, many]: [&str; 2], names: &[&str]) -> Result<usize, String> {
+    let named: Vec<usize> = (0..names.len()).filter(|i| names[*i] == asked).collect();
+    let number = asked.parse().ok().filter(|i| *i < names.len());
+    match (named.as_slice(), number) {
+        ([i], _) => Ok(*i),
+        ([], Some(i)) => Ok(i),
+        ([], None) => Err(format!("unknown {one} `{asked}`; expected one of: {}", listed(names))),
+        _ => Err(format!("several {many} are named `{asked}`; use the number: {}", listed(names))),
+    }
+}
+
+/// Lists each name after its number.
+pub fn listed(names: &[&str]) -> String {
+    let each = |(i, name): (usize, &&str)| format!("{i} {name}").trim_end().to_owned();
+    names.iter().enumerate().map(each).collect::<Vec<_>>().join(", ")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -159,5 +179,15 @@ mod tests {
     fn unknown_names_are_answered_with_the_list() {
         assert!(named::<taotie_engine::shade::Shading>("gxx").unwrap_err().contains("ggx"));
         assert_eq!(named(" ggx"), Ok(taotie_engine::shade::Shading::Ggx));
+    }
+
+    #[test]
+    fn names_go_before_numbers() {
+        let choose = |asked: &str| chosen(asked, ["mesh", "meshes"], &["lid", "0", "", "leg", "leg"]);
+        assert_eq!((choose("lid"), choose("0"), choose("2")), (Ok(0), Ok(1), Ok(2)));
+        let list = "0 lid, 1 0, 2, 3 leg, 4 leg";
+        assert_eq!(choose("arm"), Err(format!("unknown mesh `arm`; expected one of: {list}")));
+        assert_eq!(choose("9"), Err(format!("unknown mesh `9`; expected one of: {list}")));
+        assert_eq!(choose("leg"), Err(format!("several meshes are named `leg`; use the number: {list}")));
     }
 }

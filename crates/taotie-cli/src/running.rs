@@ -1,7 +1,30 @@
-//! Threads and the form of the output: options that subcommands share.
+//! Options for running that subcommands share: memory and files, threads, the SIMD level, the form of the output.
 
+use crate::options;
 use anyhow::{Context, Result};
 use clap::Args;
+use taotie::{Bytes, Limits};
+use taotie_engine::math::SimdLevel;
+
+/// Memory, and the files that a model may reference.
+#[derive(Args)]
+#[command(next_help_heading = "Running")]
+pub struct LimitArgs {
+    /// Maximum memory to use, such as 4G [default: the machine's free memory]
+    #[arg(long, value_name = "BYTES", value_parser = options::memory)]
+    pub memory_limit: Option<Bytes>,
+    /// Also read files that a model references outside its own folder
+    #[arg(long)]
+    pub allow_outside: bool,
+}
+
+impl LimitArgs {
+    /// Returns the limits; memory defaults to what the machine has free.
+    pub fn limits(&self) -> Limits {
+        let (memory, allow_outside) = (self.memory_limit, self.allow_outside);
+        Limits { memory, allow_outside, ..Limits::default() }.or_free()
+    }
+}
 
 /// Largest number of threads to start.
 const MOST_THREADS: usize = 1024;
@@ -35,5 +58,26 @@ fn threads(text: &str) -> Result<usize, String> {
         Ok(count) if count <= MOST_THREADS => Ok(count),
         Ok(_) => Err(format!("at most {MOST_THREADS} threads; leave it out for all of the machine's")),
         Err(_) => Err("expected a number of threads".into()),
+    }
+}
+
+/// Threads, SIMD level and output.
+#[derive(Args)]
+#[command(next_help_heading = "Running")]
+pub struct RunningArgs {
+    #[command(flatten)]
+    pub limits: LimitArgs,
+    #[command(flatten)]
+    pub run: RunArgs,
+    /// SIMD level: auto, scalar, sse2, avx2, avx512, neon. Pixels do not depend on it
+    #[arg(long, value_parser = options::named::<SimdLevel>, default_value = "auto")]
+    pub simd: SimdLevel,
+}
+
+impl RunningArgs {
+    /// Rejects invalid values, before any work is done.
+    pub fn check(&self) -> Result<()> {
+        self.simd.check()?;
+        Ok(())
     }
 }

@@ -1,18 +1,15 @@
 //! `taotie verify`: measures how far an asset, made with any program, is from its scan.
 
-use crate::bake::ScanArgs;
 use crate::bake::clock::Clock;
 use crate::bake::text;
-use crate::limits::LimitArgs;
-use crate::proof_args::ProofArgs;
-use crate::running::RunArgs;
+use crate::proof_args::{ProofArgs, ScanArgs};
+use crate::running::{LimitArgs, RunArgs};
 use crate::{Outcome, console, stop};
 use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
-use taotie::asset::{
-    self, Certificate, Limits, ProvedFile, Report, Requirement, Scan, ScanFile, ScanOptions, Warning,
-};
+use taotie::Limits;
+use taotie::asset::{self, Certificate, ProvedFile, Report, Requirement, Scan, ScanFile, ScanOptions};
 use taotie_engine::Progress;
 use taotie_report::bake_page;
 
@@ -105,7 +102,7 @@ fn verify(args: &VerifyArgs) -> Result<Report> {
         let page = bake_page::page(&report, &proof, None)?;
         let (page, warnings) = bake_page::html_with_asset(&page, &proof, &args.asset);
         console::say_warnings(&warnings);
-        report.warnings.extend(Warning::list(&warnings));
+        report.warnings.extend(warnings.list());
         report.files.clone_from(&pages);
         files.write_text(html, &page)?;
         files.write_text(json, &serde_json::to_string_pretty(&report)?)?;

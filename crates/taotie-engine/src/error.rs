@@ -58,6 +58,12 @@ pub enum Error {
         /// The limit, and what to do.
         why: String,
     },
+    /// A result does not meet what was required of it: improve the result, or require less.
+    #[error("not met: {}", plain(what))]
+    Unmet {
+        /// Each unmet requirement with its value and limit.
+        what: String,
+    },
     /// The caller cancelled the work: see [`crate::progress::Progress`]. Nothing is left half done.
     #[error("cancelled")]
     Cancelled,
@@ -111,7 +117,7 @@ impl Error {
             Self::Invalid { what, why } => Self::Invalid { what: placed(what), why },
             Self::Unsupported { what, why } => Self::Unsupported { what: placed(what), why },
             Self::Limit { what, why } => Self::Limit { what: placed(what), why },
-            named @ (Self::Io { .. } | Self::Parse { .. } | Self::Cancelled) => named,
+            named @ (Self::Io { .. } | Self::Parse { .. } | Self::Unmet { .. } | Self::Cancelled) => named,
         }
     }
 }
@@ -124,6 +130,15 @@ fn plain(text: impl Display) -> String {
 fn one_line<'a>(text: impl Into<Cow<'a, str>>) -> Cow<'a, str> {
     let text = text.into();
     if text.contains(char::is_control) { text.replace(char::is_control, "\u{fffd}").into() } else { text }
+}
+
+/// A kind of problem that could be worked around, and its count.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct Warning {
+    /// The number of occurrences.
+    pub count: usize,
+    /// The warning.
+    pub what: String,
 }
 
 /// Problems that could be worked around, each kind with its count, in order of first occurrence. Each is one line,
@@ -161,6 +176,18 @@ impl Warnings {
     /// Returns the kinds and how often each occurred.
     pub fn iter(&self) -> impl Iterator<Item = (&str, usize)> {
         self.entries.iter().map(|(what, count)| (what.as_str(), *count))
+    }
+
+    /// Lists the kinds of problems in order of first occurrence.
+    ///
+    /// ```
+    /// let mut warnings = taotie_engine::Warnings::default();
+    /// warnings.note("open edges", 3);
+    /// let listed = warnings.list();
+    /// assert_eq!((listed[0].count, listed[0].what.as_str()), (3, "open edges"));
+    /// ```
+    pub fn list(&self) -> Vec<Warning> {
+        self.iter().map(|(what, count)| Warning { count, what: what.to_owned() }).collect()
     }
 
     /// Returns true if nothing was noted.

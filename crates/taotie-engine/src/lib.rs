@@ -40,5 +40,5 @@ pub mod shade;
 pub mod surface;
 pub mod trace;
 
-pub use error::{Error, Result, Warnings};
+pub use error::{Error, Result, Warning, Warnings};
 pub use progress::Progress;

@@ -9,34 +9,25 @@
 mod campaign;
 mod case;
 mod corpus;
-mod failure;
-mod finding;
-mod memory;
 mod mutation;
-mod patience;
 mod runner;
 mod target;
-mod totals;
-mod watch;
 mod worker;
 
 use anyhow::{Context, Result};
-use campaign::{Campaign, End, Harvest};
-use case::Case;
+use campaign::{Campaign, End, Harvest, Totals};
+use case::{Case, Finding};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use corpus::Seed;
-use finding::Finding;
-use patience::Patience;
-use runner::Runner;
+use runner::{Patience, Runner};
 use std::io::{self, Read, Write};
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::thread::available_parallelism;
 use std::time::{Duration, Instant};
-use taotie::asset::Bytes;
+use taotie::Bytes;
 use target::Target;
-use totals::Totals;
 use worker::Worker;
 
 /// The folder where findings are kept.
@@ -162,7 +153,7 @@ fn work(task: Task) -> Result<bool> {
         Task::Run(args) => run(&args),
         Task::Replay { findings, bounds } => replay(&findings, &bounds.runner()),
         Task::Rebuild { finding, output, models } => {
-            let bytes = finding::read(&finding)?.case.bytes(&corpus::seeds(models.as_deref())?)?;
+            let bytes = case::read_finding(&finding)?.case.bytes(&corpus::seeds(models.as_deref())?)?;
             std::fs::write(&output, bytes).with_context(|| output.display().to_string())?;
             Ok(true)
         }
@@ -249,7 +240,7 @@ fn report(harvest: &Harvest, folder: &Path) -> Result<()> {
 /// Runs the kept findings again.
 fn replay(folder: &Path, runner: &Runner) -> Result<bool> {
     let mut is_clean = true;
-    for (path, finding) in finding::kept(folder)? {
+    for (path, finding) in case::kept_findings(folder)? {
         let failure = runner.case(&finding.case).with_context(|| path.display().to_string())?;
         is_clean &= failure.is_none();
         let said = failure.map_or_else(

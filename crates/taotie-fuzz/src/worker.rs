@@ -1,12 +1,12 @@
-//! The child process: runs cases one after another and reports how each ended.
+//! The child process: runs cases one after another and reports how each ended. What a run may allocate is limited.
 
-use crate::case::{Case, Number};
+use crate::case::{Case, Failure, FailureKind, Number};
 use crate::corpus::Seed;
-use crate::failure::{Failure, FailureKind};
-use crate::memory;
 use crate::target::{Subject, Target};
 use anyhow::{Context, Result};
+use cap::Cap;
 use serde::{Deserialize, Serialize};
+use std::alloc::System;
 use std::collections::HashMap;
 use std::io::{self, Write};
 use std::ops::Range;
@@ -44,7 +44,7 @@ impl<'a> Worker<'a> {
     /// # Errors
     /// If the system refuses.
     pub fn new(seeds: &'a [Seed], memory: usize) -> Result<Self> {
-        memory::bound_process(memory as u64).context("could not limit the memory of the process")?;
+        bound_process(memory as u64).context("could not limit the memory of the process")?;
         std::panic::set_hook(Box::new(|info| {
             let place = info.location().map(|at| format!("{}:{}", at.file(), at.line())).unwrap_or_default();
             *PLACE.lock().unwrap_or_else(|poisoned| poisoned.into_inner()) = place;
@@ -80,10 +80,10 @@ impl<'a> Worker<'a> {
         let path = folder.join(sound.file_name());
         std::fs::write(&path, &bytes).with_context(|| path.display().to_string())?;
         send(&News::Run(run))?;
-        memory::allow(self.memory);
+        allow_memory(self.memory);
         let subject = Subject { path: &path, bytes: &bytes, variant: case.variant };
         let held = catch_unwind(AssertUnwindSafe(|| case.target.run(&subject)));
-        memory::allow(usize::MAX);
+        allow_memory(usize::MAX);
         let failure = match held {
             Ok(Ok(())) => return Ok(()),
             Ok(Err(promise)) => Failure { kind: FailureKind::Promise, message: promise },
@@ -122,4 +122,53 @@ fn send(news: &News) -> Result<()> {
     let mut line = serde_json::to_string(news)?;
     line.push('\n');
     Ok(io::stdout().lock().write_all(line.as_bytes())?)
+}
+
+/// Counts the allocations of Rust code; beyond the limit they fail, as on a machine without more memory.
+#[global_allocator]
+static ALLOCATOR: Cap<System> = Cap::new(System, usize::MAX);
+
+/// The address space of the process beyond twice the limit: the allocator does not count C++ code and thread stacks,
+/// and the system's own allocator keeps reserves for each thread.
+#[cfg(target_os = "linux")]
+const RESERVE: u64 = 8 << 30;
+
+/// Allows allocating up to `bytes` more than is allocated now; `usize::MAX` means no limit.
+fn allow_memory(bytes: usize) {
+    // Fails only if the limit is below the current allocation.
+    let _ = ALLOCATOR.set_limit(ALLOCATOR.allocated().saturating_add(bytes));
+}
+
+/// Limits the process as a whole, if the system supports it.
+///
+/// # Errors
+/// If the system refuses.
+#[cfg(target_os = "linux")]
+fn bound_process(bytes: u64) -> std::io::Result<()> {
+    use rustix::process::{Resource, Rlimit, setrlimit};
+    let most = Some(bytes.saturating_mul(2).saturating_add(RESERVE));
+    Ok(setrlimit(Resource::As, Rlimit { current: most, maximum: most })?)
+}
+
+/// Limits the process as a whole, if the system supports it.
+///
+/// # Errors
+/// Never fails here.
+#[cfg(not(target_os = "linux"))]
+fn bound_process(_bytes: u64) -> std::io::Result<()> {
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Other tests allocate at the same time, so the limit is far above what they take.
+    #[test]
+    fn beyond_the_limit_there_is_no_memory() {
+        allow_memory(256 << 20);
+        assert!(Vec::<u8>::new().try_reserve_exact(512 << 20).is_err());
+        let _ = ALLOCATOR.set_limit(usize::MAX);
+        assert!(Vec::<u8>::new().try_reserve_exact(512 << 20).is_ok());
+    }
 }

@@ -1,8 +1,6 @@
-//! An opened GPU.
+//! An opened GPU: its choice, its checked use, and the errors of rendering on it.
 
-use crate::adapter::{self, AdapterChoice, AdapterDescription, AdapterKind};
-use crate::error::{GpuError, Result};
-use crate::texture_format::TextureSupport;
+use serde::Serialize;
 use wgpu::{Buffer, BufferUsages, ErrorFilter, Features};
 
 /// The features that are used if available.
@@ -27,7 +25,7 @@ impl Gpu {
     /// # Errors
     /// [`GpuError::NoAdapter`] if none fits, [`GpuError::Unusable`] if its driver fails.
     pub fn find(choice: &AdapterChoice) -> Result<Self> {
-        let (adapter, description) = adapter::find(choice)?;
+        let (adapter, description) = find_adapter(choice)?;
         let wanted = USED.into_iter().fold(BLENDED_FLOATS, Features::union);
         let (features, limits) = (adapter.features() & wanted, adapter.limits());
         let request = wgpu::DeviceDescriptor {
@@ -119,6 +117,175 @@ fn one_line(text: &str) -> String {
     words.collect::<Vec<_>>().join(" ")
 }
 
+/// The texture capabilities of a GPU.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct TextureSupport {
+    /// Its features.
+    pub features: Features,
+    /// `true` if 8-bit texels are filtered with 8 bits and decoded with an approximation of sRGB, as software
+    /// implementations do.
+    pub is_coarse: bool,
+}
+
+/// Criteria for choosing a GPU.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct AdapterChoice {
+    /// `true` to exclude software implementations.
+    pub hardware_only: bool,
+    /// A part of its name, case-insensitive; `None` for the fastest kind available.
+    pub name: Option<String>,
+}
+
+/// A kind of GPU, from the fastest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum AdapterKind {
+    /// A card with its own memory.
+    Discrete,
+    /// A part of the CPU, sharing its memory.
+    Integrated,
+    /// A virtual GPU: a share of another machine's.
+    Virtual,
+    /// Not specified by the driver.
+    Unknown,
+    /// A software implementation on the CPU.
+    Software,
+}
+
+/// A description of a GPU as data, for reports.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct AdapterDescription {
+    /// The name reported by its driver.
+    pub name: String,
+    /// The graphics API: `vulkan`, `metal`, `dx12`.
+    pub backend: String,
+    /// Its kind.
+    pub kind: AdapterKind,
+    /// Name and version of its driver; may be empty.
+    pub driver: String,
+}
+
+impl AdapterDescription {
+    fn new(info: &wgpu::AdapterInfo) -> Self {
+        let driver = format!("{} {}", info.driver, info.driver_info);
+        Self {
+            name: info.name.clone(),
+            backend: info.backend.to_string(),
+            kind: kind(info.device_type),
+            driver: driver.trim().to_owned(),
+        }
+    }
+}
+
+fn kind(device: wgpu::DeviceType) -> AdapterKind {
+    match device {
+        wgpu::DeviceType::DiscreteGpu => AdapterKind::Discrete,
+        wgpu::DeviceType::IntegratedGpu => AdapterKind::Integrated,
+        wgpu::DeviceType::VirtualGpu => AdapterKind::Virtual,
+        wgpu::DeviceType::Cpu => AdapterKind::Software,
+        wgpu::DeviceType::Other => AdapterKind::Unknown,
+    }
+}
+
+impl AdapterChoice {
+    fn takes(&self, described: &AdapterDescription) -> bool {
+        let name = described.name.to_lowercase();
+        let named = self.name.as_ref().is_none_or(|wanted| name.contains(&wanted.to_lowercase()));
+        named && !(self.hardware_only && described.kind == AdapterKind::Software)
+    }
+
+    /// The index of the best adapter, if any is acceptable.
+    fn best(&self, all: &[AdapterDescription]) -> Option<usize> {
+        let fitting = (0..all.len()).filter(|i| self.takes(&all[*i]));
+        fitting.min_by_key(|i| all[*i].kind)
+    }
+
+    fn text(&self) -> String {
+        let kind = if self.hardware_only { "hardware only" } else { "hardware or software" };
+        match &self.name {
+            Some(name) => format!("{kind}, name containing '{name}'"),
+            None => kind.to_owned(),
+        }
+    }
+}
+
+/// Finds the adapter for `choice`.
+///
+/// # Errors
+/// [`GpuError::NoAdapter`].
+fn find_adapter(choice: &AdapterChoice) -> Result<(wgpu::Adapter, AdapterDescription)> {
+    let backends = wgpu::Instance::enabled_backend_features();
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+        backends,
+        flags: wgpu::InstanceFlags::empty(),
+        ..wgpu::InstanceDescriptor::new_without_display_handle()
+    });
+    let adapters = pollster::block_on(instance.enumerate_adapters(backends));
+    let described: Vec<_> = adapters.iter().map(|a| AdapterDescription::new(&a.get_info())).collect();
+    let best = choice.best(&described).and_then(|best| adapters.into_iter().zip(described).nth(best));
+    best.ok_or_else(|| {
+        let names: Vec<String> = backends.iter_names().map(|(name, _)| name.to_lowercase()).collect();
+        GpuError::NoAdapter { looked_for: format!("{}; {}", names.join(", "), choice.text()) }
+    })
+}
+
+/// The result of an operation on a GPU.
+pub type Result<T> = std::result::Result<T, GpuError>;
+
+/// An error while rendering on a GPU. Its text is one sentence that includes what to do.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum GpuError {
+    /// No suitable GPU was found.
+    #[error(
+        "no GPU was found ({looked_for}); install the system's graphics driver (on Debian \
+         mesa-vulkan-drivers, which includes a software renderer), or render on the CPU"
+    )]
+    NoAdapter {
+        /// The graphics APIs searched, and the choice.
+        looked_for: String,
+    },
+    /// The GPU was found but does not work.
+    #[error("{adapter} cannot be used: {why}; update its driver, or render on the CPU")]
+    Unusable {
+        /// The name of the GPU.
+        adapter: String,
+        /// The reason reported by its driver.
+        why: String,
+    },
+    /// Something exceeds a limit of the GPU.
+    #[error("{what}: too large for {adapter}: {size}, at most {most}; make it smaller, or render on the CPU")]
+    TooLarge {
+        /// The texture, mesh or image.
+        what: String,
+        /// The name of the GPU.
+        adapter: String,
+        /// Its size.
+        size: String,
+        /// The largest size.
+        most: String,
+    },
+    /// The driver rejected a step.
+    #[error("{adapter} rejected {doing}: {why}")]
+    Refused {
+        /// The name of the GPU.
+        adapter: String,
+        /// The step.
+        doing: String,
+        /// The reason reported by the driver.
+        why: String,
+    },
+    /// The shot needs a feature that is only available on the CPU.
+    #[error("{what}: not supported on GPUs; leave it out, or render on the CPU")]
+    Unsupported {
+        /// The feature.
+        what: String,
+    },
+    /// An invalid scene or shot.
+    #[error(transparent)]
+    Scene(#[from] taotie_engine::Error),
+}
+
 /// The GPU that tests use, or `None` if there is none and the test has to be skipped, which is a failure under
 /// `CI=true`.
 #[cfg(test)]
@@ -139,6 +306,34 @@ pub(crate) fn found() -> Option<Gpu> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn adapter(name: &str, kind: AdapterKind) -> AdapterDescription {
+        AdapterDescription { name: name.into(), backend: "vulkan".into(), kind, driver: String::new() }
+    }
+
+    #[test]
+    fn the_fastest_kind_is_taken_unless_another_is_named() {
+        let all = [
+            adapter("llvmpipe", AdapterKind::Software),
+            adapter("Intel Arc", AdapterKind::Integrated),
+            adapter("GeForce", AdapterKind::Discrete),
+        ];
+        let choice = |hardware_only, name: Option<&str>| {
+            AdapterChoice { hardware_only, name: name.map(Into::into) }.best(&all)
+        };
+        assert_eq!(choice(false, None), Some(2));
+        assert_eq!(choice(true, Some("arc")), Some(1));
+        assert_eq!(choice(false, Some("LLVM")), Some(0));
+        assert_eq!(choice(true, Some("llvm")), None);
+        assert_eq!(AdapterChoice { hardware_only: true, name: None }.best(&all[..1]), None);
+    }
+
+    #[test]
+    fn who_finds_none_is_told_what_to_install() {
+        let choice = AdapterChoice { hardware_only: false, name: Some("no such card".into()) };
+        let error = find_adapter(&choice).unwrap_err().to_string();
+        assert!(error.contains("no such card") && error.contains("mesa-vulkan-drivers"), "{error}");
+    }
 
     #[test]
     fn it_can_be_kept_and_sent_anywhere() {

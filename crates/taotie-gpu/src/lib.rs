@@ -2,8 +2,8 @@
 //!
 //! [`GpuRenderer`] draws the same images as [`taotie_engine::render::Renderer`], with shaders that [`taotie_shader`]
 //! generates from the same formulas: textures with the same mip chains, the same lights, environments and models, the
-//! same sample positions. Light is developed by [`taotie_engine::film`] on the CPU, so tone curves and backgrounds are the
-//! same. The images are not bit-identical, since GPUs may fuse and reorder arithmetic.
+//! same sample positions. Light is developed by [`taotie_engine::film`] on the CPU, so tone curves and backgrounds are
+//! the same. The images are not bit-identical, since GPUs may fuse and reorder arithmetic.
 //!
 //! Shadows are rays that the shaders themselves trace through the CPU's tree of boxes, the same way on every machine;
 //! the CPU composites the ground below the image. Output variables are rejected. Blended surfaces are drawn from the
@@ -26,26 +26,15 @@
 //! # }
 //! ```
 
-mod adapter;
-mod average;
 mod blending;
-mod environment;
-mod error;
 mod frame_inputs;
 mod gpu;
-mod meshes;
 mod pipelines;
 mod renderer;
-mod samplers;
-mod shadow_masks;
 mod shadows;
-mod surface_draw;
+mod surfaces;
 mod target;
-mod texture_format;
 mod textures;
-mod variants;
 
-pub use adapter::{AdapterChoice, AdapterDescription, AdapterKind};
-pub use error::{GpuError, Result};
-pub use gpu::Gpu;
+pub use gpu::{AdapterChoice, AdapterDescription, AdapterKind, Gpu, GpuError, Result};
 pub use renderer::GpuRenderer;

@@ -1,18 +1,13 @@
 //! Renders images of one scene, one after the other.
 
-use crate::average::SampleNumber;
 use crate::blending::BlendOrder;
-use crate::error::{GpuError, Result};
 use crate::frame_inputs::FrameInputs;
-use crate::gpu::Gpu;
-use crate::meshes::{Meshes, Numbered};
-use crate::pipelines::{Pipelines, SurfacePipeline};
-use crate::samplers::Samplers;
+use crate::gpu::{Gpu, GpuError, Result};
+use crate::pipelines::{PipelineKey, Pipelines, SurfacePipeline, is_blended};
 use crate::shadows::{ShadowInputs, visibility_text};
-use crate::surface_draw::{MaterialTextures, SurfaceDraw};
-use crate::target::Target;
-use crate::textures::Textures;
-use crate::variants::{PipelineKey, is_blended};
+use crate::surfaces::{MaterialTextures, Meshes, Numbered, SurfaceDraw};
+use crate::target::{SampleNumber, Target};
+use crate::textures::{Samplers, Textures};
 use std::collections::HashMap;
 use std::sync::Arc;
 use taotie_engine::Progress;
@@ -90,8 +85,9 @@ impl<'p> GpuRenderer<'p> {
     /// Renders an image in linear light. Every sample is shaded, as on the CPU.
     ///
     /// # Errors
-    /// [`GpuError::Scene`] as for [`taotie_engine::render::Pass::new`], or if cancelled; [`GpuError::Unsupported`] for
-    /// output variables; [`GpuError::TooLarge`] for an image or mesh beyond the GPU's limits, or if memory runs out.
+    /// [`GpuError::Scene`] as for [`taotie_engine::render::Pass::new`], or if cancelled; [`GpuError::Unsupported`]
+    /// for output variables; [`GpuError::TooLarge`] for an image or mesh beyond the GPU's limits, or if memory runs
+    /// out.
     pub fn render(&mut self, shot: &Shot<'_>, progress: Progress<'_>) -> Result<Frame> {
         let checked = CheckedShot::new(shot)?;
         if checked.settings.aovs {

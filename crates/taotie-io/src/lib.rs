@@ -11,6 +11,7 @@ mod loaded;
 mod obj;
 #[cfg(any(feature = "draco", feature = "basis", feature = "exr"))]
 mod panics;
+pub mod parse;
 mod ply;
 mod polygon;
 mod reading;

@@ -10,9 +10,10 @@ use pyo3::types::{PyDict, PyList};
 use serde_json::json;
 use std::path::PathBuf;
 use std::sync::Arc;
+use taotie::Limits;
 use taotie::asset::{
-    BakeOptions, Baker, Certificate, Figures, Limits, MeshSource, Packing, Proof, RayDistance, Report,
-    Requirement, RequirementOutcome, Signature, VerifyOptions,
+    BakeOptions, Baker, Certificate, Figures, MeshSource, Packing, Proof, RayDistance, Report, Requirement,
+    RequirementOutcome, Signature, VerifyOptions,
 };
 use taotie_engine::length::Unit;
 use taotie_engine::names::Named;
@@ -258,7 +259,8 @@ fn requirements(required: &[String], unit: Option<Unit>) -> Result<Vec<Requireme
 #[pyfunction]
 pub fn require(py: Python<'_>, figures: Options, required: Vec<String>) -> PyResult<Vec<(String, String)>> {
     let figures = figures.read::<Figures>()?;
-    let met = figures.require(&requirements(&required, figures.unit).map_err(|error| exception(py, &error))?);
+    let met =
+        figures.evaluate(&requirements(&required, figures.unit).map_err(|error| exception(py, &error))?);
     let pair = |met: &RequirementOutcome| {
         Ok((serde_json::to_string(met)?, format!("{} {}", met.name(), met.text())))
     };

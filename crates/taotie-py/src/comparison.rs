@@ -9,9 +9,7 @@ use crate::work::{self, Running};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde::Deserialize;
-use taotie::comparison::{
-    Comparison, ComparisonOptions, NamedScene, RenderedSurface, Subject, dress_reference,
-};
+use taotie::comparison::{Comparison, ComparisonOptions, NamedScene, RenderedSurface, Subject};
 use taotie::studio::{CameraOptions, EnvironmentOptions, Framing, LightOptions, Viewpoint};
 use taotie_engine::Result;
 use taotie_engine::names::Named;
@@ -50,7 +48,7 @@ pub fn compare<'py>(
         let low = &models.low.get().loaded.scene;
         let mut high = models.high.as_ref().map(|model| model.get().loaded.scene.clone());
         if let Some(high) = &mut high {
-            dress_reference(high, low)?;
+            Subject::dress_reference(high, low)?;
         }
         let mut subject = Subject::new(&models.names[0], low);
         subject.reference = high.as_ref().map(|scene| NamedScene { name: &models.names[1], scene });

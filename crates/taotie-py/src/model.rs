@@ -9,7 +9,8 @@ use pyo3::types::{PyBytes, PyDict};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
-use taotie::asset::{Limits, Scan, ScanFile, ScanOptions, into_metres};
+use taotie::Limits;
+use taotie::asset::{Scan, ScanFile, ScanOptions, into_metres};
 use taotie::inspection::{Audit, AuditSchema, Inspection, ProductInfo};
 use taotie::studio::{self, MaterialOptions};
 use taotie_engine::bake::low_poly_mesh;
@@ -55,7 +56,7 @@ pub fn load(py: Python<'_>, path: PathBuf, request: Options, running: Running) -
     work::run(py, &running, move |progress| {
         let limits = request.limits()?;
         let file = path.clone();
-        let read = move |_: Progress<'_>| studio::load_within(&file, &request.material, &limits);
+        let read = move |_: Progress<'_>| studio::load(&file, &request.material, &limits);
         let loaded = progress.begin("read the model")?.apart(read)?;
         request.scan.check()?;
         Ok(Model { loaded, path: Some(path), limits, scan_options: request.scan, scan: Mutex::default() })

@@ -9,7 +9,7 @@ use pyo3::types::PyDict;
 use serde::Deserialize;
 use std::sync::{Arc, Mutex, PoisonError};
 use taotie::studio::{
-    CameraOptions, EnvironmentOptions, Framing, LightOptions, LightSpec, Motion, Viewpoint, parse,
+    CameraOptions, EnvironmentOptions, Framing, LightOptions, LightSpec, Motion, Viewpoint,
 };
 use taotie_engine::film::{self, Development, ToneCurve};
 use taotie_engine::math::Vec3;
@@ -18,6 +18,7 @@ use taotie_engine::render::{
 };
 use taotie_engine::scene::Scene;
 use taotie_engine::{Progress, Result, Warnings};
+use taotie_io::parse;
 
 /// The settings shared by all images of a renderer.
 #[derive(Deserialize, Default)]

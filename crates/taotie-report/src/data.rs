@@ -1,10 +1,7 @@
-//! The data of a page, serialised in the form that `page/main.js` documents and reads.
+//! The data of a page, serialised in the form that `page/main.js` documents and reads; see `picture.rs` for pictures.
 
-use crate::statement::Statement;
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
-use serde::ser::SerializeStruct;
-use serde::{Serialize, Serializer};
+use crate::picture::View;
+use serde::Serialize;
 
 /// A page.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -61,90 +58,35 @@ impl Fact {
     }
 }
 
-/// Pictures of equal size that can be overlaid.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
-pub struct View {
-    /// The tab label, unique within a page: "ggx", "normals", "angular error".
-    pub name: String,
-    /// A line describing what is shown.
-    pub note: String,
-    /// The pictures. Initially the first is left of the handle and the last is right of it.
-    pub pictures: Vec<Picture>,
-    /// The meaning of the colours.
-    pub legend: Option<Legend>,
-}
-
-/// A picture.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Picture {
-    /// Its subject, such as a method; unique within a view. The same label in other views means the same thing: it
-    /// stays selected when the view changes.
-    pub label: String,
-    /// Below the label.
-    pub note: String,
-    /// The PNG or JPEG file.
-    pub file: Vec<u8>,
-}
-
-impl Picture {
-    /// Returns the width and height in pixels from the file header; zeros if it is neither PNG nor JPEG.
-    pub fn size(&self) -> [u32; 2] {
-        if self.is_jpeg() {
-            return jpeg_size(&self.file).unwrap_or_default();
-        }
-        let word = |at: usize| self.file.get(at..at + 4)?.try_into().ok().map(u32::from_be_bytes);
-        match (self.file.starts_with(b"\x89PNG\r\n\x1a\n"), word(16), word(20)) {
-            (true, Some(width), Some(height)) => [width, height],
-            _ => [0, 0],
-        }
-    }
-
-    fn is_jpeg(&self) -> bool {
-        self.file.starts_with(b"\xff\xd8\xff")
-    }
-}
-
-/// Returns the size that the frame header of a JPEG states.
-fn jpeg_size(file: &[u8]) -> Option<[u32; 2]> {
-    let word = |at: usize| file.get(at..at + 2)?.try_into().ok().map(u16::from_be_bytes);
-    let mut at = 2;
-    while let Some(marker) = word(at) {
-        // SOF0 to SOF2: baseline, extended and progressive.
-        if (0xffc0..=0xffc2).contains(&marker) {
-            return Some([word(at + 7)?.into(), word(at + 5)?.into()]);
-        }
-        at += 2 + usize::from(word(at + 2)?);
-    }
-    None
-}
-
-/// Writes the file as a `data:` URI, and the size, which the page needs before the picture is decoded.
-impl Serialize for Picture {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let [width, height] = self.size();
-        let mut fields = serializer.serialize_struct("Picture", 5)?;
-        fields.serialize_field("label", &self.label)?;
-        fields.serialize_field("note", &self.note)?;
-        let format = if self.is_jpeg() { "jpeg" } else { "png" };
-        let uri = format!("data:image/{format};base64,{}", STANDARD.encode(&self.file));
-        fields.serialize_field("uri", &uri)?;
-        fields.serialize_field("width", &width)?;
-        fields.serialize_field("height", &height)?;
-        fields.end()
-    }
-}
-
-/// A colour scale.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
-pub struct Legend {
-    /// The quantity.
+/// The statement that a page opens with: its subject, the findings, and how to reproduce them. Printed on a separate
+/// sheet, which it fills.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Statement {
+    /// Its heading.
     pub title: String,
-    /// Its unit, such as "°".
-    pub unit: String,
-    /// The value of the last colour; the first is for 0.
-    pub top: f64,
-    /// sRGB colours at equal steps from 0 to `top`.
-    pub stops: Vec<[u8; 3]>,
+    /// The outcome.
+    pub verdict: Notice,
+    /// Its subject and its author.
+    pub facts: Vec<Fact>,
+    /// Its tables.
+    pub tables: Vec<PlainTable>,
+    /// A line about the command below it.
+    pub command_note: String,
+    /// The command that reproduces it; may be empty.
+    pub command: String,
+}
+
+/// A table that cannot be re-sorted.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct PlainTable {
+    /// Heading.
+    pub title: String,
+    /// Below the table; may be empty.
+    pub note: String,
+    /// The columns.
+    pub columns: Vec<Column>,
+    /// One cell for each column.
+    pub rows: Vec<Vec<Cell>>,
 }
 
 /// A part of the page below the pictures.
@@ -337,14 +279,5 @@ mod tests {
             json!({ "number": { "value": null, "digits": 2 } })
         );
         assert_eq!(to_value(mark).unwrap(), json!({ "mark": { "text": "1", "tone": "changed", "why": "" } }));
-    }
-
-    #[test]
-    fn a_file_that_is_not_png_has_no_size() {
-        let png = |bytes: &[u8]| Picture { file: bytes.to_vec(), ..Picture::default() }.size();
-        assert_eq!(png(b""), [0, 0]);
-        assert_eq!(png(&[9; 40]), [0, 0]);
-        assert_eq!(png(b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\x02\0\0\x01"), [0, 0]);
-        assert_eq!(png(b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\x02\0\0\x01\x03"), [2, 259]);
     }
 }

@@ -23,22 +23,17 @@
 pub mod bake_page;
 pub mod collection_page;
 pub mod comparison;
-pub mod csv;
 mod data;
 mod document;
 pub mod heat_map;
-mod images;
 mod picture;
 pub mod sheet;
-mod statement;
-pub mod summary;
-pub mod swatches;
 pub mod table;
 pub mod viewer;
 
 pub use data::{
-    Axis, Cell, Column, Fact, Legend, Notice, Page, Picture, PlotPoint, PointSeries, Section, Series, Tone,
-    View,
+    Axis, Cell, Column, Fact, Notice, Page, PlainTable, PlotPoint, PointSeries, Section, Series, Statement,
+    Tone,
 };
 pub use document::html;
-pub use statement::{PlainTable, Statement};
+pub use picture::{Legend, Picture, View};

@@ -1,13 +1,26 @@
-//! Contact sheets: labelled pictures side by side.
+//! Contact sheets: labelled 8-bit pictures side by side, made from the library's images, and the sheet of all
+//! material presets.
 
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
-use taotie_engine::image::Encoding;
+use std::sync::Arc;
+use taotie_engine::Result;
+use taotie_engine::compare::DisplayImage;
+use taotie_engine::film::{Development, develop8};
+use taotie_engine::image::{Bitmap, Encoding, Image};
+use taotie_engine::math::{Vec3, srgb};
+use taotie_engine::mesh::Mesh;
+use taotie_engine::render::{EnvironmentLight, Lighting, RenderSettings, Shot, render};
+use taotie_engine::scene::{Material, Orbit, PRESETS, Scene, preset};
+use taotie_engine::shade::environment::{Environment, studio};
+use taotie_engine::surface::encode_normal;
 use taotie_io::{PngColor, PngImage, PngSamples};
 
 /// The gap between pictures and at the border, pixels.
 const GAP: usize = 16;
 /// The height of the two-line label below a picture.
 const LABEL: usize = 52;
+/// Spheres per row on the sheet of material presets.
+const SPHERES_PER_ROW: usize = 4;
 
 /// The background colour.
 pub const GROUND: [u8; 3] = [24, 25, 27];
@@ -148,14 +161,100 @@ impl Sheet {
     }
 }
 
+/// Conversions of images of the library.
+impl Sheet {
+    /// Converts a developed picture.
+    pub fn developed(picture: &DisplayImage) -> Self {
+        let pixels = picture.pixels().iter().map(|rgb| rgb.map(code)).collect();
+        Self { width: picture.width() as usize, height: picture.height() as usize, pixels }
+    }
+
+    /// Shows world-space unit normals n as the colours (n + 1) / 2, and the background if alpha is not 1.
+    pub fn of_normals(normals: &Image) -> Self {
+        let color = |[x, y, z, covered]: &[f32; 4]| match *covered == 1.0 {
+            true => encode_normal(Vec3::new(*x, *y, *z)).to_array().map(code),
+            false => GROUND,
+        };
+        let pixels = normals.pixels().iter().map(color).collect();
+        Self { width: normals.width() as usize, height: normals.height() as usize, pixels }
+    }
+
+    /// Shows a map as stored, subsampled so that no side is longer than `side` pixels.
+    pub fn preview(bitmap: &Bitmap, side: usize) -> Self {
+        let (across, down) = (bitmap.width() as usize, bitmap.height() as usize);
+        let step = across.max(down).div_ceil(side.max(1)).max(1);
+        let (width, height) = ((across / step).max(1), (down / step).max(1));
+        let pixel = |i: usize| {
+            let [r, g, b, _] = bitmap.stored(i / width * step * across + i % width * step);
+            [r, g, b].map(code)
+        };
+        Self { width, height, pixels: (0..width * height).map(pixel).collect() }
+    }
+
+    /// Averages whole blocks in linear light until no side is longer than `side` pixels.
+    pub fn shrunk(&self, side: usize) -> Self {
+        let factor = self.width.max(self.height).div_ceil(side.max(1)).max(1);
+        let (width, height) = ((self.width / factor).max(1), (self.height / factor).max(1));
+        let linear: Vec<f64> =
+            (0..=255).map(|code| srgb::linear_from_srgb(f64::from(code) / 255.0)).collect();
+        let mean = |i: usize, channel: usize| {
+            let values = self.block(i % width * factor, i / width * factor, factor);
+            let (sum, count) = values
+                .fold((0.0, 0.0), |(sum, n), pixel| (sum + linear[usize::from(pixel[channel])], n + 1.0));
+            (srgb::srgb_from_linear(sum / count) * 255.0 + 0.5) as u8
+        };
+        let pixel = |i: usize| std::array::from_fn(|channel| mean(i, channel));
+        Self { width, height, pixels: (0..width * height).map(pixel).collect() }
+    }
+
+    /// The pixels of a square, clipped to the sheet, row by row.
+    fn block(&self, x: usize, y: usize, side: usize) -> impl Iterator<Item = &[u8; 3]> {
+        let rows = self.pixels.chunks(self.width.max(1)).skip(y).take(side);
+        rows.flat_map(move |row| row.iter().skip(x).take(side))
+    }
+}
+
+/// Draws a sphere in each material preset, lit by the built-in studio; its picture is `size` pixels wide.
+///
+/// # Errors
+/// Those of [`render`].
+pub fn swatches(size: u32) -> Result<Sheet> {
+    let environment = Arc::new(Environment::new(studio())?);
+    let light = EnvironmentLight { environment, rotation: 0.0, intensity: 1.0, visible: false };
+    let lighting = Lighting { environment: Some(light), ..Lighting::default() };
+    let known = PRESETS.iter().filter_map(|listed| Some((listed, preset(listed.name)?)));
+    let cells = known.map(|(listed, material)| {
+        let pixels = sphere(material, &lighting, size)?;
+        Ok(Cell { title: listed.name.into(), note: listed.source.into(), pixels })
+    });
+    let cells = cells.collect::<Result<Vec<_>>>()?;
+    Ok(Sheet::new(&cells, [size as usize; 2], SPHERES_PER_ROW))
+}
+
+fn sphere(material: Material, lighting: &Lighting, size: u32) -> Result<Vec<[u8; 3]>> {
+    let scene = Scene::of_mesh(Mesh::sphere(1.0, 96, 48), material)?;
+    let orbit = Orbit { azimuth: 0.4, elevation: 0.25, distance: 4.4, target: Vec3::default(), fov_y: 0.52 };
+    let settings = RenderSettings { width: size, height: size, samples: 16, ..RenderSettings::default() };
+    let camera = orbit.camera(1.0);
+    let frame = render(&scene, &Shot { camera: &camera, lighting, settings: &settings })?;
+    let development = Development { background: Some(Vec3::splat(0.02)), ..Development::default() };
+    Ok(develop8(&frame.color, &development)?.into_iter().map(|[r, g, b, _]| [r, g, b]).collect())
+}
+
 fn mix(below: u8, above: u8, ink: u8) -> u8 {
     let ink = u32::from(ink);
     ((u32::from(below) * (255 - ink) + u32::from(above) * ink + 127) / 255) as u8
 }
 
+/// Rounds a value in [0, 1] to an 8-bit code.
+fn code(v: f32) -> u8 {
+    (v * 255.0 + 0.5) as u8
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use taotie_engine::image::Texels;
 
     #[test]
     fn cells_lie_in_rows_with_their_labels() {
@@ -193,5 +292,28 @@ mod tests {
             .map(|(i, _)| i % sheet.width)
             .collect();
         assert!(inked.len() > 50 && inked.iter().all(|x| (GAP..GAP + 64).contains(x)));
+    }
+
+    #[test]
+    fn normals_are_colours_and_uncovered_pixels_are_background() {
+        let mut normals = Image::new(2, 1, [0.0; 4]).unwrap();
+        normals.pixels_mut()[1] = [0.0, 0.0, 1.0, 1.0];
+        assert_eq!(Sheet::of_normals(&normals).pixels, [GROUND, [128, 128, 255]]);
+    }
+
+    #[test]
+    fn previews_are_subsampled() {
+        let texels = (0..8).map(|i| [i * 10, 0, 0, 255]).collect();
+        let bitmap = Bitmap::new(8, 1, 3, Texels::U8(texels)).unwrap();
+        let sheet = Sheet::preview(&bitmap, 3);
+        assert_eq!((sheet.width, sheet.height), (2, 1));
+        assert_eq!(sheet.pixels, [[0, 0, 0], [30, 0, 0]]);
+    }
+
+    #[test]
+    fn shrinking_averages_light_and_keeps_small_sheets() {
+        let sheet = Sheet { width: 4, height: 1, pixels: vec![[0; 3], [255; 3], [9; 3], [9; 3]] };
+        assert_eq!(sheet.shrunk(4).pixels, sheet.pixels);
+        assert_eq!(sheet.shrunk(2).pixels, [[188; 3], [9; 3]]);
     }
 }

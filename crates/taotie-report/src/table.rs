@@ -1,6 +1,8 @@
-//! Aligned columns of text.
+//! Results as plain text: aligned columns, comma-separated values, and summaries of distributions.
 
-/// Rows of cells under titles. Columns of numbers are right-aligned.
+use taotie_engine::compare::Summary;
+
+/// Rows of cells under titles, in aligned columns of text. Columns of numbers are right-aligned.
 pub struct Table {
     right: Vec<bool>,
     rows: Vec<Vec<String>>,
@@ -51,6 +53,78 @@ impl Table {
     }
 }
 
+/// Comma-separated values (RFC 4180), for spreadsheets and scripts: rows of equal width under column names. Lines end
+/// with CR LF.
+///
+/// ```
+/// use taotie_report::table::{Csv, number};
+///
+/// let mut csv = Csv::new(["model", "mean_deg"]);
+/// csv.row(["low, final.glb".into(), number(Some(1.5))]);
+/// csv.row(["high.glb".into(), number(None)]);
+/// assert_eq!(csv.text(), "model,mean_deg\r\n\"low, final.glb\",1.5\r\nhigh.glb,\r\n");
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Csv<const N: usize> {
+    text: String,
+}
+
+impl<const N: usize> Csv<N> {
+    /// Creates a table without rows.
+    pub fn new(columns: [&str; N]) -> Self {
+        let mut csv = Self { text: String::new() };
+        csv.row(columns.map(str::to_owned));
+        csv
+    }
+
+    /// Adds a row.
+    pub fn row(&mut self, cells: [String; N]) {
+        self.text += &cells.map(quoted).join(",");
+        self.text += "\r\n";
+    }
+
+    /// Returns the text of the file.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+}
+
+/// Returns the shortest text that reads back as the same number; an empty string for `None`.
+pub fn number(value: Option<f64>) -> String {
+    value.map_or_else(String::new, |value| value.to_string())
+}
+
+/// Returns the mean, median, 95th percentile and maximum, in the order of table columns.
+pub fn figures(summary: &Summary) -> [f64; 4] {
+    [summary.mean, summary.median, summary.p95, summary.max]
+}
+
+/// Formats mean, quantiles and maximum with `digits` decimals, each with its unit.
+///
+/// ```
+/// use taotie_engine::compare::Field;
+/// use taotie_report::table::summary_text;
+///
+/// let angles = Field::new(2, 1, vec![1.0, 2.0])?.summary().expect("two numbers");
+/// let text = summary_text(&angles, 1, "°");
+/// assert_eq!(text, "mean 1.5°, median 1.5°, quartiles 1.2° and 1.8°, p95 1.9°, max 2.0°");
+/// # Ok::<(), taotie_engine::Error>(())
+/// ```
+pub fn summary_text(summary: &Summary, digits: usize, unit: &str) -> String {
+    let number = |value: f64| format!("{value:.digits$}{unit}");
+    let [mean, median, p95, max] = figures(summary).map(number);
+    let [first, third] = summary.quartiles.map(number);
+    format!("mean {mean}, median {median}, quartiles {first} and {third}, p95 {p95}, max {max}")
+}
+
+/// Returns a cell, quoted if necessary.
+fn quoted(cell: String) -> String {
+    match cell.contains(['"', ',', '\r', '\n']) {
+        true => format!("\"{}\"", cell.replace('"', "\"\"")),
+        false => cell,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -65,5 +139,19 @@ mod tests {
         table.row(["x".repeat(1 << 17), "1".into()]);
         let widest = table.lines(0).lines().map(|line| line.chars().count()).max();
         assert_eq!(widest, Some((1 << 17) + 2 + 9));
+    }
+
+    #[test]
+    fn cells_are_quoted_where_they_would_not_read_back() {
+        let written = ["a", "a,b", "say \"a\"", "two\nlines", ""].map(|cell| quoted(cell.into()));
+        assert_eq!(written, ["a", "\"a,b\"", "\"say \"\"a\"\"\"", "\"two\nlines\"", ""]);
+    }
+
+    #[test]
+    fn numbers_read_back_equal() {
+        for value in [0.1, 1.0 / 3.0, 1e-7, -0.0, 12345.678] {
+            assert_eq!(number(Some(value)).parse(), Ok(value));
+        }
+        assert_eq!(number(None), "");
     }
 }

@@ -3,7 +3,8 @@
 use crate::interface::{Interface, UniformField, Unplaced, ValueKind, buffer_size};
 use taotie_engine::math::{Vec3, scalar};
 use taotie_engine::pixel::MaterialUniforms;
-use taotie_engine::scene::{AlphaMode, Material, NormalMap, TextureRole};
+use taotie_engine::render::Surface;
+use taotie_engine::scene::{AlphaMode, HeightMap, Material, NormalMap, Scene, TextureRole};
 
 /// A surface as its host knows it: the source of its uniform values.
 #[derive(Debug, Clone, Copy)]
@@ -16,6 +17,17 @@ pub struct SurfaceFactors<'m> {
     pub bump: f32,
     /// The number of levels of the height map, at least 1; unused without one.
     pub height_levels: usize,
+}
+
+impl<'s> SurfaceFactors<'s> {
+    /// The factors of a surface of a scene.
+    pub fn of_surface(surface: &Surface<'s>, scene: &Scene) -> Self {
+        let levels =
+            |map: &HeightMap| scene.textures().get(map.texture.texture).map_or(1, |texture| texture.levels());
+        let height = surface.normal_source.height_map();
+        let (bump, height_levels) = height.map_or((0.0, 1), |(map, factor)| (factor, levels(map)));
+        Self { material: surface.material, normal_matrix: surface.normal_matrix, bump, height_levels }
+    }
 }
 
 /// A field that a shader may read: its name and type, its meaning, and its value.

@@ -1,51 +1,38 @@
 //! Shaders generated from the formulas that Taotie renders with.
 //!
-//! The formulas of `taotie_engine::shade` run on any [`Lane`](taotie_engine::math::Lane). Here they run on a [`Recorded`] number,
-//! which records every operation in an expression graph ([`record`]). The same operation on the same operands appears
-//! in the graph once. Three channels that are treated alike become one vector, and if a formula's body appears in
-//! another's graph, it becomes a call ([`library()`]). [`evaluate()`] evaluates a graph on any lane; [`shader()`]
-//! writes a model as WGSL or GLSL ES 3.00, [`functions()`] any formulas.
+//! The formulas of `taotie_engine::shade` run on any [`Lane`](taotie_engine::math::Lane). Here they run on a
+//! [`Recorded`] number, which records every operation in an expression graph ([`record`]). The same operation on the
+//! same operands appears in the graph once. Three channels that are treated alike become one vector, and if a
+//! formula's body appears in another's graph, it becomes a call ([`library()`]). [`evaluate()`] evaluates a graph on
+//! any lane; [`shader()`] writes a model as WGSL or GLSL ES 3.00, [`functions()`] any formulas.
 //!
 //! [`pixel_shader()`] writes the whole pixel of a surface: the stages of `taotie_engine::pixel`, recorded for a [`Variant`]
 //! ([`PixelProgram`]), with the code that fetches their inputs and joins them. Its [`Interface`] lists the bindings
 //! for the host; [`FrameFactors`], [`light_numbers`] and [`SurfaceFactors`] fill the buffers. With the feature
 //! `translate`, `translate` converts WGSL to HLSL, MSL and SPIR-V.
 
-mod binding;
-mod body;
-mod environment;
-mod environment_atlas;
 mod evaluate;
 mod factors;
-mod frame;
 mod graph;
-mod inputs;
 mod interface;
 mod language;
-mod layers;
 mod library;
 mod models;
-mod names;
-mod outline;
 mod pixel;
 mod pixel_shader;
 mod program;
 mod recorder;
 mod shader;
-mod structures;
-mod surface;
-mod text;
 #[cfg(feature = "translate")]
 mod translation;
 mod variant;
 mod vectors;
 
-pub use environment_atlas::{EnvironmentAtlas, opaque};
 pub use evaluate::{EvaluateError, evaluate};
 pub use factors::SurfaceFactors;
-pub use frame::{FrameFactors, MOST_LEVELS, MOST_LIGHTS, light_numbers};
 pub use graph::{Binary, Call, Field, Graph, Id, Kind, Node, Parameter, Unary};
 pub use interface::{BufferSlot, Interface, TextureSlot, UniformField, ValueKind, VertexInput, buffer_size};
+pub use interface::{EnvironmentAtlas, FrameFactors, MOST_LEVELS, MOST_LIGHTS, light_numbers, opaque};
 pub use language::Language;
 pub use library::library;
 pub use models::model_name;

@@ -1,12 +1,11 @@
-//! A whole shader: structures, functions, and a shading function.
+//! Formulas as source text: a whole shader with structures, functions and a shading function.
 
-use crate::body::body;
-use crate::graph::{Binary, Kind, Node};
-use crate::language::Language;
+use crate::graph::{Binary, Call, Graph, Id, Kind, Node, Unary};
+use crate::language::{Language, Phrase, Tightness};
 use crate::library::library;
 use crate::models::model_name;
-use crate::program::{Formula, Program};
-use crate::structures::Structure;
+use crate::program::{Formula, Program, Structure};
+use std::collections::BTreeMap;
 use taotie_engine::names::Named;
 use taotie_engine::shade::Shading;
 
@@ -120,4 +119,322 @@ fn whole(model: &str, language: Language) -> String {
     let doc = "// Outgoing radiance per unit of irradiance on a plane facing the light, linear RGB.\n\
                // n is the normal, v points to the viewer, l to the light.\n";
     format!("{doc}{opening}    return {model}(s, angles(n, v, l));\n}}\n")
+}
+
+/// The longest expression that is inlined into another.
+const LONGEST: usize = 72;
+
+/// The lines between a function's braces.
+fn body(formula: &Formula, program: &Program, language: Language) -> String {
+    let graph = &formula.graph;
+    let names = Names::new(graph, program, wishes(formula, program));
+    let mut writer = Writer {
+        graph,
+        program,
+        language,
+        names,
+        uses: uses(graph),
+        phrases: Vec::new(),
+        lines: String::new(),
+    };
+    for at in 0..graph.nodes().len() {
+        let phrase = writer.written(Id(at));
+        writer.phrases.push(phrase);
+    }
+    let outputs: Vec<&Phrase> = graph.outputs().iter().map(|output| writer.phrase(*output)).collect();
+    let result = match (formula.structure, &outputs[..]) {
+        (None, [one]) => one.text.clone(),
+        (name, fields) => Phrase::call(name.unwrap_or_default(), fields).text,
+    };
+    format!("{}    return {result};\n", writer.lines)
+}
+
+/// The names of the fields that the outputs become.
+fn wishes(formula: &Formula, program: &Program) -> BTreeMap<Id, &'static str> {
+    let structure = formula.structure.and_then(|name| program.structure(name));
+    let names = structure.iter().flat_map(|structure| &structure.fields).map(|field| field.name);
+    formula.graph.outputs().iter().copied().zip(names).collect()
+}
+
+/// The number of uses of each node; being an output counts as one.
+fn uses(graph: &Graph) -> Vec<usize> {
+    let mut uses = vec![0; graph.nodes().len()];
+    let operands = graph.nodes().iter().flat_map(Node::operands);
+    operands.chain(graph.outputs().iter().copied()).for_each(|id| uses[id.0] += 1);
+    uses
+}
+
+struct Writer<'g> {
+    graph: &'g Graph,
+    program: &'g Program,
+    language: Language,
+    names: Names<'g>,
+    uses: Vec<usize>,
+    /// The text of each node: its name or its expression.
+    phrases: Vec<Phrase>,
+    lines: String,
+}
+
+impl Writer<'_> {
+    /// Returns the text of a node; writes a line that names it if it needs a name.
+    fn written(&mut self, id: Id) -> Phrase {
+        let phrase = self.expression(id);
+        if !self.needs_name(id, &phrase) {
+            return phrase;
+        }
+        let name = self.names.give(id);
+        self.lines += &self.language.binding(&name, self.graph.kind(id), &phrase.text);
+        Phrase::atom(name)
+    }
+
+    fn needs_name(&self, id: Id, phrase: &Phrase) -> bool {
+        let node = self.graph.node(id);
+        let is_result = self.graph.outputs() == [id] && self.uses[id.0] == 1;
+        let is_short = matches!(node, Node::Parameter(_) | Node::Constant(_) | Node::Component(..))
+            || matches!(node, Node::Vector([a, b, c]) if a == b && b == c)
+            || matches!(node, Node::Swizzle(..) | Node::Field(..));
+        if is_result || is_short || self.is_clamped(id) {
+            return false;
+        }
+        let is_field = self.graph.outputs().len() > 1 && self.graph.outputs().contains(&id);
+        let is_call = matches!(node, Node::Call(_));
+        self.uses[id.0] > 1 || is_field || is_call || phrase.text.len() > LONGEST
+    }
+
+    fn phrase(&self, id: Id) -> &Phrase {
+        &self.phrases[id.0]
+    }
+
+    fn expression(&self, id: Id) -> Phrase {
+        match self.graph.node(id) {
+            Node::Parameter(number) => Phrase::atom(self.graph.parameters()[*number].path),
+            Node::Constant(bits) => Phrase::constant(f64::from_bits(*bits)),
+            Node::Unary(operation, a) => self.unary(*operation, *a),
+            Node::Binary(operation, a, b) => self.binary(*operation, [*a, *b]),
+            Node::Select(operands) => self.language.select(operands.map(|operand| self.phrase(operand))),
+            Node::Component(a, which) => self.parts(*a, &[*which]),
+            Node::Swizzle(a, which) => self.parts(*a, which),
+            Node::Vector([a, b, c]) if a == b && b == c => self.vector(&[self.phrase(*a)]),
+            Node::Vector(parts) => self.vector(&parts.map(|part| self.phrase(part))),
+            Node::Dot(a, b) => Phrase::call("dot", &[self.phrase(*a), self.phrase(*b)]),
+            Node::Cross(a, b) => Phrase::call("cross", &[self.phrase(*a), self.phrase(*b)]),
+            Node::Call(call) => self.call(call),
+            Node::Field(of, field) => Phrase::atom(format!("{}.{}", self.phrase(*of).text, field.name)),
+        }
+    }
+
+    fn parts(&self, vector: Id, which: &[usize]) -> Phrase {
+        let letters: String = which.iter().map(|part| ["x", "y", "z"][*part]).collect();
+        Phrase::atom(format!("{}.{letters}", self.phrase(vector).within(Tightness::Atom)))
+    }
+
+    fn vector(&self, parts: &[&Phrase]) -> Phrase {
+        Phrase::call(self.language.kind(Kind::Vector), parts)
+    }
+
+    fn call(&self, call: &Call) -> Phrase {
+        let arguments: Vec<&Phrase> = call.arguments.iter().map(|argument| self.phrase(*argument)).collect();
+        Phrase::call(&self.program.formulas[call.function].name, &arguments)
+    }
+
+    fn unary(&self, operation: Unary, a: Id) -> Phrase {
+        let operand = self.phrase(a);
+        let sign = |sign: &str| Phrase {
+            text: format!("{sign}{}", operand.within(Tightness::Atom)),
+            tightness: Tightness::Sign,
+        };
+        let name = match operation {
+            Unary::Negate => return sign("-"),
+            Unary::Not => return sign("!"),
+            Unary::Sqrt => "sqrt",
+            Unary::Abs => "abs",
+            Unary::Floor => "floor",
+            Unary::Exp => "exp",
+            Unary::Exp2 => "exp2",
+            Unary::Ln => "log",
+            Unary::Log2 => "log2",
+            Unary::Exponent => return Phrase::atom(format!("(floor(log2({})) + 1.0)", operand.text)),
+            Unary::Mantissa => {
+                let power = format!("exp2(-floor(log2({})) - 1.0)", operand.text);
+                return Phrase::atom(format!("({} * {power})", operand.within(Tightness::Product)));
+            }
+        };
+        Phrase::call(name, &[operand])
+    }
+
+    fn binary(&self, operation: Binary, operands: [Id; 2]) -> Phrase {
+        let [a, b] = operands.map(|operand| self.phrase(operand));
+        let infix = |sign: &str, tightness: Tightness, [left, right]: [Tightness; 2]| Phrase {
+            text: format!("{} {sign} {}", a.within(left), b.within(right)),
+            tightness,
+        };
+        use Tightness::{Atom, Comparison, Product, Sign, Sum};
+        match operation {
+            Binary::Add => infix("+", Sum, [Sum, Product]),
+            Binary::Subtract => infix("-", Sum, [Sum, Product]),
+            Binary::Multiply => infix("*", Product, [Product, Sign]),
+            Binary::Divide => infix("/", Product, [Product, Sign]),
+            Binary::Less => infix("<", Comparison, [Sum, Sum]),
+            Binary::AtMost => infix("<=", Comparison, [Sum, Sum]),
+            Binary::And => infix("&&", Comparison, [Atom, Atom]),
+            Binary::Or => infix("||", Comparison, [Atom, Atom]),
+            Binary::Power => Phrase::call("power", &[a, b]),
+            Binary::Scale => {
+                Phrase { text: format!("{} * exp2({})", a.within(Product), b.text), tightness: Product }
+            }
+            Binary::Min => self.clamped(operands).unwrap_or_else(|| self.bounded("min", &operands)),
+            Binary::Max => self.bounded("max", &operands),
+        }
+    }
+
+    /// A function that takes vectors only if one of its operands is a vector.
+    fn bounded(&self, name: &str, operands: &[Id]) -> Phrase {
+        let wide = operands.iter().any(|operand| self.graph.kind(*operand) == Kind::Vector);
+        let widened = operands.iter().map(|operand| match self.graph.kind(*operand) {
+            Kind::Number if wide => self.vector(&[self.phrase(*operand)]),
+            _ => self.phrase(*operand).clone(),
+        });
+        let widened: Vec<Phrase> = widened.collect();
+        Phrase::call(name, &widened.iter().collect::<Vec<_>>())
+    }
+
+    /// `clamp` for the minimum of a constant and the maximum of another constant and a value.
+    fn clamped(&self, [a, high]: [Id; 2]) -> Option<Phrase> {
+        let (value, low) = self.lower_bound(a)?;
+        self.graph.is_constant(high).then(|| self.bounded("clamp", &[value, low, high]))
+    }
+
+    /// The value and the constant of which `id` is the maximum, if that has no other use.
+    fn lower_bound(&self, id: Id) -> Option<(Id, Id)> {
+        match self.graph.node(id) {
+            Node::Binary(Binary::Max, value, low) if self.uses[id.0] == 1 && self.graph.is_constant(*low) => {
+                Some((*value, *low))
+            }
+            _ => None,
+        }
+    }
+
+    /// Returns true if a node is only the inner half of a `clamp`.
+    fn is_clamped(&self, id: Id) -> bool {
+        let outer = |node: &Node| match node {
+            Node::Binary(Binary::Min, a, high) => *a == id && self.graph.is_constant(*high),
+            _ => false,
+        };
+        self.lower_bound(id).is_some() && self.graph.nodes().iter().any(outer)
+    }
+}
+
+/// The names of a function's values that are used more than once.
+struct Names<'g> {
+    graph: &'g Graph,
+    program: &'g Program,
+    given: BTreeMap<Id, String>,
+    /// The names of a structure's fields, for the outputs that become these fields.
+    wished: BTreeMap<Id, &'static str>,
+}
+
+impl<'g> Names<'g> {
+    fn new(graph: &'g Graph, program: &'g Program, wished: BTreeMap<Id, &'static str>) -> Self {
+        Self { graph, program, given: BTreeMap::new(), wished }
+    }
+
+    /// Gives a value its name, distinct from those of all other values, arguments and functions.
+    fn give(&mut self, id: Id) -> String {
+        let wish = match self.wished.get(&id) {
+            Some(wish) => wish.to_string(),
+            None => self.unlike_fields(self.suggested(id)),
+        };
+        let mut name = wish.clone();
+        for number in 2.. {
+            if !self.is_taken(&name) {
+                break;
+            }
+            name = format!("{wish}_{number}");
+        }
+        self.given.insert(id, name.clone());
+        name
+    }
+
+    fn is_taken(&self, name: &str) -> bool {
+        let is_argument = |path: &str| path.split('.').next() == Some(name);
+        self.given.values().any(|given| given == name)
+            || self.graph.parameters().iter().any(|parameter| is_argument(parameter.path))
+            || self.program.find(name).is_some()
+    }
+
+    /// The name, prefixed with `raw_` if it is that of a field computed from the value.
+    fn unlike_fields(&self, name: String) -> String {
+        let is_field = self.wished.values().any(|wish| *wish == name);
+        if is_field { format!("raw_{name}") } else { name }
+    }
+
+    /// The name of a value that has one.
+    fn label(&self, id: Id) -> Option<String> {
+        match self.graph.node(id) {
+            Node::Parameter(number) => {
+                let path = self.graph.parameters()[*number].path;
+                Some(path.rsplit('.').next().unwrap_or(path).to_owned())
+            }
+            Node::Field(_, field) => Some(field.name.to_owned()),
+            _ => self.given.get(&id).cloned(),
+        }
+    }
+
+    /// A name that describes the value.
+    fn suggested(&self, id: Id) -> String {
+        match self.graph.node(id) {
+            Node::Call(call) => self.program.formulas[call.function].symbol.to_owned(),
+            Node::Binary(operation, a, b) => self.of_two(*operation, [*a, *b]),
+            Node::Dot(a, b) if a == b => self.about(*a, "", "_squared_length", "squared_length"),
+            Node::Dot(a, b) => self.between([*a, *b], "_dot_", "cosine"),
+            Node::Cross(a, b) => self.between([*a, *b], "_cross_", "perpendicular"),
+            Node::Unary(Unary::Sqrt, a) => match self.label(*a) {
+                Some(label) if label.contains("squared_length") => label.replacen("squared_", "", 1),
+                _ => "root".into(),
+            },
+            Node::Unary(Unary::Exp | Unary::Exp2, _) => "exponential".into(),
+            Node::Unary(Unary::Not, _) => "condition".into(),
+            Node::Select(_) => "chosen".into(),
+            Node::Vector(_) => "vector".into(),
+            _ => "value".into(),
+        }
+    }
+
+    fn of_two(&self, operation: Binary, [a, b]: [Id; 2]) -> String {
+        let word = match operation {
+            Binary::Multiply if a == b => return self.about(a, "", "_squared", "square"),
+            Binary::Subtract if self.is_one(a) => return self.about(b, "one_minus_", "", "complement"),
+            Binary::Min | Binary::Max if self.graph.is_constant(b) => return self.bounded(a),
+            Binary::Add => "sum",
+            Binary::Subtract => "difference",
+            Binary::Multiply => "product",
+            Binary::Divide => "ratio",
+            Binary::Min => "smaller",
+            Binary::Max => "larger",
+            Binary::Power | Binary::Scale => "raised",
+            Binary::Less | Binary::AtMost | Binary::And | Binary::Or => "condition",
+        };
+        word.into()
+    }
+
+    /// The name of a clamped value.
+    fn bounded(&self, id: Id) -> String {
+        match self.label(id) {
+            Some(label) => format!("{label}_kept"),
+            None => self.suggested(id),
+        }
+    }
+
+    fn about(&self, id: Id, before: &str, after: &str, otherwise: &str) -> String {
+        self.label(id).map_or(otherwise.into(), |label| format!("{before}{label}{after}"))
+    }
+
+    fn between(&self, [a, b]: [Id; 2], word: &str, otherwise: &str) -> String {
+        let labels = self.label(a).zip(self.label(b));
+        labels.map_or(otherwise.into(), |(a, b)| format!("{a}{word}{b}"))
+    }
+
+    fn is_one(&self, id: Id) -> bool {
+        *self.graph.node(id) == Node::constant(1.0)
+    }
 }

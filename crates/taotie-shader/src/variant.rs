@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 use taotie_engine::pixel::{Model, takes_compensation, takes_roughness};
+use taotie_engine::render::{GrazingNormals, RenderSettings, Surface};
 use taotie_engine::scene::{AlphaMode, Material, TextureRef, TextureRole, UvTransform};
-use taotie_engine::shade::Shading;
+use taotie_engine::shade::{Energy, Shading};
 use taotie_engine::surface::SurfaceMethod;
 
 /// The facts known about a surface before any pixel.
@@ -75,6 +76,48 @@ impl Default for VariantOptions {
             vertex_color: false,
             tangents: true,
             uv_sets: 1,
+        }
+    }
+}
+
+impl VariantOptions {
+    /// The options for drawing a surface under some settings, without shadows; `environment` is true if there is
+    /// environment lighting.
+    ///
+    /// ```
+    /// use taotie_engine::mesh::Mesh;
+    /// use taotie_engine::render::{Prepared, RenderSettings};
+    /// use taotie_engine::scene::{Material, Scene};
+    /// use taotie_engine::surface::SurfaceMethod;
+    /// use taotie_shader::VariantOptions;
+    ///
+    /// let settings = RenderSettings::default();
+    /// let scene = Scene::of_mesh(Mesh::sphere(1.0, 8, 4), Material::default())?;
+    /// let prepared = Prepared::new(scene, &settings.surface)?;
+    /// let options = VariantOptions::of_surface(&prepared.surfaces()[0], &settings, false);
+    /// assert_eq!(options.method, SurfaceMethod::Smooth);
+    /// # Ok::<(), taotie_engine::Error>(())
+    /// ```
+    pub fn of_surface(surface: &Surface<'_>, settings: &RenderSettings, environment: bool) -> Self {
+        Self {
+            method: surface.normal_source.method(),
+            vertex_color: !surface.colors.is_empty(),
+            tangents: !surface.tangents.is_empty(),
+            uv_sets: surface.uvs.len(),
+            ..Self::of_settings(settings, environment)
+        }
+    }
+
+    /// The options for a plain surface under some settings, without shadows; `environment` is true if there is
+    /// environment lighting.
+    pub fn of_settings(settings: &RenderSettings, environment: bool) -> Self {
+        Self {
+            shading: settings.shading,
+            compensated: settings.energy == Energy::Compensated,
+            softened: settings.grazing_normals == GrazingNormals::Soften,
+            specular_aa: settings.specular_aa,
+            environment,
+            ..Self::default()
         }
     }
 }
@@ -240,5 +283,44 @@ impl Placement {
     fn new(texture: &TextureRef, uv_sets: usize) -> Self {
         let uv_set = Some(texture.uv_set).filter(|set| *set < uv_sets);
         Self { uv_set, transformed: texture.transform != UvTransform::default() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::factors::SurfaceFactors;
+    use taotie_engine::image::{Bitmap, Encoding, Sampler, Texels, Texture};
+    use taotie_engine::mesh::Mesh;
+    use taotie_engine::render::{Prepared, SurfaceSettings};
+    use taotie_engine::scene::{HeightMap, Scene};
+
+    /// A sphere with a height map of 8 by 8 texels.
+    fn raised() -> Scene {
+        let bitmap = Bitmap::new(8, 8, 1, Texels::U8(vec![[7, 7, 7, 255]; 64])).unwrap();
+        let mut scene = Scene::of_mesh(Mesh::sphere(1.0, 8, 4), Material::default()).unwrap();
+        let texture = TextureRef {
+            texture: scene.add_texture(Texture::new(bitmap, Encoding::Linear)),
+            uv_set: 0,
+            sampler: Sampler::default(),
+            transform: UvTransform::default(),
+        };
+        scene.edit(|data| data.materials[0].height = Some(HeightMap { texture, scale: 0.25 })).unwrap();
+        scene
+    }
+
+    #[test]
+    fn surfaces_are_drawn_as_they_are_prepared() {
+        for (bump_scale, expected) in [(None, 0.25), (Some(2.0), 2.0)] {
+            let surface = SurfaceSettings { bump_scale, ..SurfaceSettings::default() };
+            let settings = RenderSettings { specular_aa: false, surface, ..RenderSettings::default() };
+            let prepared = Prepared::new(raised(), &settings.surface).unwrap();
+            let sphere = &prepared.surfaces()[0];
+            let options = VariantOptions::of_surface(sphere, &settings, true);
+            assert_eq!((options.method, options.uv_sets), (SurfaceMethod::Bump, 1));
+            assert!(options.environment && options.softened && !options.specular_aa && !options.tangents);
+            let factors = SurfaceFactors::of_surface(sphere, prepared.scene());
+            assert_eq!((factors.bump, factors.height_levels), (expected, 4));
+        }
     }
 }

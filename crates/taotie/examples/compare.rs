@@ -6,10 +6,7 @@
 //! ```
 
 use taotie::comparison::{Comparison, ComparisonOptions, Method, Subject};
-use taotie_engine::mesh::Mesh;
-use taotie_engine::scene::{Material, Scene};
-use taotie_engine::surface::SurfaceMethod;
-use taotie_engine::{Progress, Result};
+use taotie::{Material, Mesh, Progress, Result, Scene, SurfaceMethod};
 
 /// Prints the mean angle between the normals of a coarse sphere and those of a fine one.
 #[allow(clippy::print_stdout, reason = "an example prints")]

@@ -6,8 +6,9 @@
 #![allow(clippy::print_stdout, reason = "an example prints")]
 
 use std::path::Path;
-use taotie::asset::{BakeOptions, Baker, Limits, Packing, Requirement, Scan, VerifyOptions};
-use taotie_engine::{Error, Progress, Result};
+use taotie::Limits;
+use taotie::asset::{BakeOptions, Baker, Packing, Requirement, Scan, VerifyOptions};
+use taotie::{Error, Progress, Result};
 
 /// Bakes `scan` to `asset`; returns the figures in words.
 pub fn run(scan: &Path, asset: &Path, options: BakeOptions) -> Result<String> {
@@ -16,7 +17,7 @@ pub fn run(scan: &Path, asset: &Path, options: BakeOptions) -> Result<String> {
     let baked = Baker::new(options).bake(&scan, progress)?;
     let written = baked.write(asset, &Packing::default(), progress)?;
     let proof = written.verify(scan, &VerifyOptions::default(), progress)?;
-    let met = proof.require(&[Requirement::mean_angle_deg(2.0), Requirement::missed(0.001)]);
+    let met = proof.evaluate(&[Requirement::mean_angle_deg(2.0), Requirement::missed(0.001)]);
     Ok(format!(
         "{} triangles, {} bytes; mean normal error {:.2}°; required: {}",
         baked.levels().next().map_or(0, |mesh| mesh.triangles().len()),

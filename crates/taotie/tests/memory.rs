@@ -2,7 +2,8 @@
 //! has
 //! one test.
 
-use taotie::asset::{BakeOptions, Baker, Bytes, ScanFile};
+use taotie::Bytes;
+use taotie::asset::{BakeOptions, Baker, ScanFile};
 use taotie_engine::Progress;
 use taotie_engine::image::{Bitmap, Encoding, Sampler, Texels, Texture};
 use taotie_engine::math::Mat4;

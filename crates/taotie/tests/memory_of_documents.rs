@@ -5,7 +5,7 @@
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
-use taotie::asset::{Bytes, Limits};
+use taotie::{Bytes, Limits};
 use taotie_io::load_model_within;
 
 /// Three corners, 36 bytes, as Base64.

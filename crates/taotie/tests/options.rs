@@ -5,12 +5,14 @@ use serde::de::DeserializeOwned;
 use serde_json::{from_str, json, to_string, to_value};
 use std::fmt::Debug;
 use std::sync::Arc;
-use taotie::asset::{AUTO_SIZE, BakeOptions, Limits, Packing, ScanOptions, VerifyOptions};
+use taotie::Limits;
+use taotie::asset::{BakeOptions, Packing, ScanOptions, VerifyOptions};
 use taotie::comparison::diff::{self, DiffOptions, Metric};
 use taotie::comparison::{ComparisonOptions, Matching, Method, SamplePoints};
 use taotie::inspection::{Check, CheckStatus};
 use taotie::studio::{
-    CameraOptions, EnvironmentOptions, LightOptions, MapOptions, MaterialFactors, MaterialOptions,
+    CameraOptions, EnvironmentOptions, LightForm, LightOptions, LightSpec, MapOptions, MaterialFactors,
+    MaterialOptions,
 };
 use taotie_engine::bake::MapKind;
 use taotie_engine::compare::NormalEncoding;
@@ -78,7 +80,10 @@ fn all_options_survive_json() {
 #[test]
 fn the_size_of_maps_may_be_chosen() {
     let options: BakeOptions = from_str("{\"size\": \"auto\"}").unwrap();
-    assert_eq!((options.size, &to_value(&options).unwrap()["size"]), (AUTO_SIZE, &json!("auto")));
+    assert_eq!(
+        (options.size, &to_value(&options).unwrap()["size"]),
+        (BakeOptions::AUTO_SIZE, &json!("auto"))
+    );
     assert_eq!(to_value(BakeOptions::default()).unwrap()["size"], 2048);
     let error = from_str::<BakeOptions>("{\"size\": \"large\"}").unwrap_err().to_string();
     assert!(error.contains("expected a number of texels, or \"auto\""), "{error}");
@@ -148,4 +153,12 @@ fn light_of_an_image_is_refused() {
     assert!(error.contains("EnvironmentOptions"), "{error}");
     assert!(from_str::<Lighting>(r#"{"environment":{"rotation":1}}"#).is_err());
     assert!(from_str::<Lighting>(r#"{"environment":null}"#).unwrap().environment.is_none());
+}
+
+#[test]
+fn lights_survive_json() {
+    let form = LightForm::FromView { azimuth: 0.5, elevation: 0.25 };
+    let lamp: LightSpec = "point at=1,2,3 strength=2".parse().unwrap();
+    assert_survives(&LightSpec { form, ..lamp });
+    assert_survives(&lamp);
 }

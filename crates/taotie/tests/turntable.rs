@@ -32,7 +32,7 @@ fn covered(bitmap: &Bitmap) -> usize {
 #[test]
 fn a_square_is_seen_narrow_and_wide_and_never_touches_the_frame() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let files = turntable::turntable(&square(), 8, 24, &folder.path().join("turn")).expect("it turns");
+    let files = turntable::turntable(square(), 8, 24, &folder.path().join("turn")).expect("it turns");
     let names: Vec<_> = files.iter().filter_map(|file| file.file_name()?.to_str()).collect();
     assert_eq!((names.len(), names[7]), (8, "turn.007.png"));
     let pictures: Vec<Bitmap> =

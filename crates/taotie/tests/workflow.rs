@@ -6,9 +6,10 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use taotie::asset::{
-    Asset, BakeOptions, Baker, Bytes, FLOOR_8_BIT, Figure, Limits, Lod, MeshSource, Packing, Proof,
-    RayDistance, Report, Requirement, Scan, ScanFile, VerifyOptions, WrittenAsset,
+    Asset, BakeOptions, Baker, Figure, Lod, MapPresence, MeshSource, Packing, Proof, RayDistance, Report,
+    Requirement, Scan, ScanFile, SeparateMap, VerifyOptions, WrittenAsset,
 };
+use taotie::{Bytes, Limits};
 use taotie_engine::bake::MapKind;
 use taotie_engine::image::{Bitmap, Encoding, Sampler, Texels, Texture};
 use taotie_engine::math::{Mat4, Vec3, scalar};
@@ -161,7 +162,7 @@ fn a_scan_becomes_an_asset_with_its_proof() {
     assert_eq!((figures.bytes_out, figures.bytes_in), (bytes, 0));
     assert_eq!((proof.error_map.as_ref().unwrap().width(), proof.views.scan.len()), (64, 8));
 
-    let met = proof.require(&[Requirement::mean_angle_deg(1.5), Requirement::bytes(10)]);
+    let met = proof.evaluate(&[Requirement::mean_angle_deg(1.5), Requirement::bytes(10)]);
     assert_eq!(met.iter().map(|met| met.met).collect::<Vec<_>>(), [true, false]);
     // Passing the scan by value gives the same.
     let again = written.verify(scan, &options, Progress::SILENT).unwrap();
@@ -177,7 +178,7 @@ fn what_could_not_be_measured_is_not_met() {
     let view = VerifyOptions { points: 10, map: 16, view: 16, ..VerifyOptions::default() };
     let mut proof = written.verify(scan, &view, Progress::SILENT).unwrap();
     proof.figures.levels[0].overview.angles = None;
-    let met = proof.require(&[Requirement::of(Figure::MaxAngle, 180.0)]);
+    let met = proof.evaluate(&[Requirement::of(Figure::MaxAngle, 180.0)]);
     assert_eq!((met[0].value, met[0].met), (None, false));
 }
 
@@ -211,7 +212,7 @@ fn every_level_is_measured_and_gated() {
     assert_eq!(proof.coarser_views.iter().map(|views| views.asset.len()).collect::<Vec<_>>(), [8, 8]);
 
     let between = Requirement::mean_angle_deg((means[1] + means[2]) / 2.0);
-    let met = proof.require(&[between, between.at_level(1), Requirement::missed(1.0)]);
+    let met = proof.evaluate(&[between, between.at_level(1), Requirement::missed(1.0)]);
     let outcomes: Vec<_> = met.iter().map(|met| (met.level, met.met)).collect();
     let at = |level, is| (Some(level), is);
     // Coarser levels are never seen close up.
@@ -231,12 +232,16 @@ fn the_floor_is_told_where_it_holds() {
     };
     let sixteen = || BakeOptions { bits: 16, ..options() };
     let separate = || BakeOptions { space: NormalSpace::Object, ..options() };
-    assert_eq!(floor(options(), ImageCodec::Png), Some(FLOOR_8_BIT));
+    assert_eq!(floor(options(), ImageCodec::Png), Some(Proof::FLOOR_8_BIT));
     assert_eq!(floor(sixteen(), ImageCodec::Png), None);
     if cfg!(feature = "basis") {
         assert_eq!(floor(options(), ImageCodec::Ktx2(0)), None, "it costs more");
     }
-    assert_eq!(floor(separate(), ImageCodec::Ktx2(0)), Some(FLOOR_8_BIT), "next to the asset it is a PNG");
+    assert_eq!(
+        floor(separate(), ImageCodec::Ktx2(0)),
+        Some(Proof::FLOOR_8_BIT),
+        "next to the asset it is a PNG"
+    );
     assert_eq!(floor(BakeOptions { maps: vec![MapKind::Height], ..options() }, ImageCodec::Png), None);
 }
 
@@ -565,4 +570,16 @@ fn a_search_may_have_levels_of_detail_without_a_map() {
     let written = found.write(folder.path().join("ktx2.glb"), &asked, Progress::SILENT).unwrap();
     let said: Vec<&str> = written.warnings().iter().map(|(what, _)| what).collect();
     assert!(said.iter().any(|what| what.starts_with("the search chose the packing")), "{said:?}");
+}
+
+#[test]
+fn maps_are_available_without_files() {
+    let options =
+        BakeOptions { maps: vec![MapKind::Normal, MapKind::Occlusion, MapKind::Height], ..options() };
+    let asset = Baker::new(options).bake(&small(), Progress::SILENT).unwrap();
+    let MapPresence { occlusion, roughness, .. } = asset.textures().has;
+    assert!(occlusion && !roughness, "the scan has no roughness");
+    let [height]: &[SeparateMap; 1] = asset.textures().separate.as_slice().try_into().unwrap();
+    let range = height.range.unwrap();
+    assert!(height.map == MapKind::Height && range.white > range.black, "{range:?}");
 }

@@ -1,13 +1,14 @@
-//! The content of a collection's file, as written.
+//! The content of a collection's file, as written, and its lines, for error messages.
 
-use super::lines::Lines;
 use glob::{MatchOptions, Pattern};
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
-use taotie::asset::Bytes;
-use taotie_engine::Result;
+use taotie::Bytes;
+use taotie_engine::{Error, Result};
 use toml::{Spanned, Table, Value};
 
 /// The whole file.
@@ -174,7 +175,7 @@ impl Content {
     }
 
     /// Returns the position of the options for all scans.
-    pub fn span_of_choices(&self) -> std::ops::Range<usize> {
+    pub fn span_of_choices(&self) -> Range<usize> {
         let tables = [&self.made.scan, &self.made.bake, &self.made.packing, &self.made.verify];
         let keys = tables.into_iter().flatten().flat_map(|keys| keys.keys()).map(Spanned::span);
         keys.min_by_key(|span| span.start).unwrap_or(0..0)
@@ -257,6 +258,40 @@ pub fn duration(text: &str) -> std::result::Result<Duration, String> {
     }
     let known = Duration::try_from_secs_f64(seconds).ok().filter(|time| !time.is_zero());
     known.ok_or_else(wrong)
+}
+
+/// The text of a file, for converting positions to lines.
+#[derive(Debug, Clone, Copy)]
+pub struct Lines<'a> {
+    /// The whole text.
+    pub text: &'a str,
+    /// Its file.
+    pub path: &'a Path,
+}
+
+impl Lines<'_> {
+    /// Reads the file's text.
+    ///
+    /// # Errors
+    /// [`Error::Parse`] with the line.
+    pub fn read<T: DeserializeOwned>(&self) -> Result<T> {
+        toml::from_str(self.text).map_err(|error| self.of(&error))
+    }
+
+    fn of(&self, error: &toml::de::Error) -> Error {
+        self.parse(error.span().unwrap_or(0..0), error.message())
+    }
+
+    /// Returns an error at a position in the text.
+    pub fn parse(&self, span: Range<usize>, what: &str) -> Error {
+        let before = self.text.get(..span.start).unwrap_or_default();
+        Error::parse(self.path, format!("line {}", before.matches('\n').count() + 1), what.replace('\n', " "))
+    }
+
+    /// Returns an error about values at a position in the text.
+    pub fn within(&self, span: Range<usize>, error: Error) -> Error {
+        self.parse(span, &error.to_string())
+    }
 }
 
 #[cfg(test)]

@@ -1,23 +1,19 @@
 //! `collection.toml`: where the scans of a collection are, and what to make from them.
 
 mod content;
-mod lines;
-mod list;
-mod scan;
 mod sources;
 mod tables;
 
 use crate::settings::Settings;
-use content::{Content, Override};
+use content::{Content, Lines, Override};
 use glob::Pattern;
-use lines::Lines;
 use std::path::{Path, PathBuf};
 use tables::Choices;
 use taotie_engine::{Error, Result};
 use taotie_io::read_bytes;
 
 pub use content::{RunSettings, duration};
-pub use scan::{Found, Scan};
+pub use sources::{Found, Scan};
 
 /// A collection as described by its file, checked.
 #[derive(Debug)]

@@ -1,17 +1,38 @@
-//! The scans of a collection.
+//! The scans of a collection: found in folders, by patterns, and in lists, which are CSV with a header, or one JSON
+//! object per line.
 
 use super::content::Source;
-use super::list;
-use super::scan::{Found, Scan};
-use crate::input::slashed;
+use crate::record::slashed;
+use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use taotie_engine::{Error, Result, Warnings};
+use taotie_io::read_bytes;
 use toml::Spanned;
 use walkdir::WalkDir;
 
+/// A scan of a collection.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Scan {
+    /// Its id in the collection, with `/` between folders.
+    pub id: String,
+    /// Its file, relative to the folder of the collection's file.
+    pub path: PathBuf,
+    /// Its title, for people.
+    pub title: Option<String>,
+}
+
+/// The scans of a collection, with warnings about its lists.
+#[derive(Debug, Default)]
+pub struct Found {
+    /// The scans, by id.
+    pub scans: Vec<Scan>,
+    /// Parts of lists that were ignored.
+    pub warnings: Warnings,
+}
+
 /// The file extensions of models, in lower case.
-pub const MODEL_EXTENSIONS: [&str; 5] = ["gltf", "glb", "obj", "ply", "stl"];
+const MODEL_EXTENSIONS: [&str; 5] = ["gltf", "glb", "obj", "ply", "stl"];
 
 /// A search for scans.
 struct Search<'a> {
@@ -52,7 +73,7 @@ impl Search<'_> {
             self.read_glob(pattern)?;
         }
         if let Some(path) = &source.list {
-            let (scans, warnings) = list::read(&self.folder.join(path))?;
+            let (scans, warnings) = read_list(&self.folder.join(path))?;
             self.warnings.absorb(warnings);
             scans.into_iter().try_for_each(|scan| self.add(scan))?;
         }
@@ -129,4 +150,76 @@ fn is_model(path: &Path) -> bool {
 
 fn has_wildcard(part: &std::ffi::OsStr) -> bool {
     part.to_string_lossy().contains(['*', '?', '['])
+}
+
+/// The columns that are read; all others are ignored.
+const COLUMNS: [&str; 3] = ["path", "id", "title"];
+
+/// A line of a list.
+#[derive(Deserialize)]
+struct Entry {
+    path: String,
+    id: Option<String>,
+    title: Option<String>,
+}
+
+/// Reads a list; its paths are relative to its own folder.
+///
+/// # Errors
+/// [`Error::Parse`] with the line.
+fn read_list(path: &Path) -> Result<(Vec<Scan>, Warnings)> {
+    let bytes = read_bytes(path)?;
+    let extension = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
+    match extension.as_deref() {
+        Some("csv") => of_csv(path, &bytes),
+        Some("jsonl" | "ndjson") => of_jsonl(path, &bytes),
+        _ => Err(Error::unsupported(path.display().to_string(), "lists must be .csv or .jsonl")),
+    }
+}
+
+fn of_csv(path: &Path, bytes: &[u8]) -> Result<(Vec<Scan>, Warnings)> {
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(bytes);
+    let wrong = |error: csv::Error| {
+        let line = error.position().map_or(1, csv::Position::line);
+        Error::parse(path, format!("line {line}"), error.to_string())
+    };
+    let head = reader.headers().map_err(wrong)?.clone();
+    if !head.iter().any(|column| column == "path") {
+        return Err(Error::parse(
+            path,
+            "line 1",
+            "missing column `path`: the first line must name the columns",
+        ));
+    }
+    let mut warnings = Warnings::default();
+    for column in head.iter().filter(|column| !COLUMNS.contains(column)) {
+        warnings.note(format!("{}: ignored unknown column `{column}`", path.display()), 1);
+    }
+    let entries = reader.deserialize::<Entry>().map(|entry| entry.map_err(wrong));
+    let scans = entries.map(|entry| entry.map(|entry| entry.scan(path))).collect::<Result<_>>()?;
+    Ok((scans, warnings))
+}
+
+fn of_jsonl(path: &Path, bytes: &[u8]) -> Result<(Vec<Scan>, Warnings)> {
+    let text = String::from_utf8_lossy(bytes);
+    let lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
+    let read = |(number, line): (usize, &str)| {
+        let entry: serde_json::Result<Entry> = serde_json::from_str(line);
+        entry.map(|entry| entry.scan(path)).map_err(|error| {
+            Error::parse(path, format!("line {}", number + 1), format!("{error}; expected {{\"path\": …}}"))
+        })
+    };
+    Ok((lines.map(read).collect::<Result<_>>()?, Warnings::default()))
+}
+
+impl Entry {
+    fn scan(self, list: &Path) -> Scan {
+        let own = list.parent().unwrap_or(Path::new("")).join(&self.path);
+        let words = |text: Option<String>| text.filter(|text| !text.is_empty());
+        // Drop `..` and the root: neither can be part of an id.
+        let named = Path::new(&self.path).components();
+        let named = named.filter(|part| matches!(part, std::path::Component::Normal(_)));
+        let id = words(self.id).unwrap_or_else(|| slashed(&named.collect::<PathBuf>()));
+        Scan { id, path: own, title: words(self.title) }
+    }
 }

@@ -1,8 +1,7 @@
 //! Tables of options. They are read twice: into the library's own structs, whose errors carry the line, and as raw
 //! tables, to be merged.
 
-use super::content::{Keys, Made, Switch};
-use super::lines::Lines;
+use super::content::{Keys, Lines, Made, Switch};
 use crate::settings::{AssetSettings, Settings, Thumbnail, Turntable, ViewerPage};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};

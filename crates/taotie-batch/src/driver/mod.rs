@@ -1,40 +1,26 @@
 //! The driver: starts a process for each asset to be made, and records the outcome. It never loads an asset itself.
 
-mod books;
-mod ended;
-mod ledger;
-mod options;
 mod plan;
 mod process;
-mod remake;
 mod remote;
 mod running;
-mod todo;
 
 use crate::collection::Collection;
 use crate::job::{Job, Message, Outcome};
 use crate::record::{Record, State};
-use books::{Books, Took};
-use ledger::Ledger;
-use plan::Plan;
-use process::{Heard, Start};
-use running::{Phase, Running};
+use plan::{Books, Plan, Todo, Took};
+use process::{Heard, POLL, Start};
+use running::{Ledger, Phase, Running};
 use std::collections::{BTreeMap, VecDeque};
-use std::path::{Path, PathBuf};
 use std::sync::mpsc::{self, Receiver, Sender};
 use std::time::{Duration, Instant};
-use taotie::asset::{Bytes, Limits};
+use taotie::{Bytes, Limits};
 use taotie_engine::{Error, Result, Warnings};
 use taotie_io::free_memory;
-use todo::Todo;
 
-pub use options::DriveOptions;
-pub use process::Worker;
-pub use remake::remake;
+pub use plan::DriveOptions;
+pub use process::{Worker, nonempty, remake};
 pub use remote::{Planned, Remote, Told};
-
-/// How often processes are checked, and the caller is asked whether to go on.
-const POLL: Duration = Duration::from_millis(50);
 
 /// A progress event for the caller.
 #[derive(Debug, Clone, Copy)]
@@ -177,7 +163,7 @@ impl<'a> Driver<'a> {
     fn start_more(&mut self, hear: &mut dyn FnMut(Event<'_>) -> bool) -> Result<()> {
         while self.running.len() < self.jobs && self.running.iter().all(|one| one.phase != Phase::Waiting) {
             let Some(next) = self.queue.front() else { return Ok(()) };
-            let want = ledger::reading(next.bytes);
+            let want = running::memory_to_read(next.bytes);
             if !self.ledger.has_room(want, 0) && !self.running.is_empty() {
                 return Ok(());
             }
@@ -193,7 +179,7 @@ impl<'a> Driver<'a> {
                     self.running.push(Running::new(todo, process, want, patience));
                 }
                 Err(error) => {
-                    let outcome = ended::without_process(&error, &todo);
+                    let outcome = running::without_process(&error, &todo);
                     self.finish(todo, outcome, Took::default(), hear)?;
                 }
             }
@@ -231,7 +217,7 @@ impl<'a> Driver<'a> {
                 let mut ended = self.running.remove(at);
                 self.ledger.give_back(ended.reserved);
                 let took = Took { seconds: ended.start.elapsed().as_secs_f64(), forecast: ended.forecast };
-                let outcome = ended::outcome(&mut ended);
+                let outcome = running::outcome(&mut ended);
                 if let Some(address) = ended.address.as_ref().filter(|_| !outcome.state.is_made()) {
                     self.books.store.sweep(address);
                 }
@@ -300,9 +286,4 @@ impl<'a> Driver<'a> {
         let left = (fraction > 0.01).then(|| self.start.elapsed().mul_f64((1.0 - fraction) / fraction));
         Event::Running { fraction, left, processes: self.running.len() }
     }
-}
-
-/// Returns the folder's path, `.` if it is empty.
-pub fn nonempty(folder: &Path) -> PathBuf {
-    if folder.as_os_str().is_empty() { ".".into() } else { folder.to_path_buf() }
 }

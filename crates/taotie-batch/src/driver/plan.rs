@@ -1,16 +1,56 @@
-//! The outstanding work on a collection.
+//! The plan of the work on a collection: its options, the known state with its records, and the assets to be made.
 
-use super::DriveOptions;
-use super::books::{Books, now};
-use super::todo::Todo;
-use crate::address::{self, VERSION};
 use crate::collection::{Collection, Scan};
-use crate::input::InputFile;
-use crate::objects::AssetObject;
-use crate::record::{Record, SCHEMA, State};
+use crate::job::Outcome;
+use crate::manifest::{History, Manifest, Shard};
+use crate::record::{InputFile, Record, SCHEMA, State};
 use crate::settings::Settings;
-use std::path::Path;
-use taotie_engine::Result;
+use crate::store::{AssetObject, Store, VERSION, hash_of};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use taotie::Bytes;
+use taotie_engine::{Result, Warnings};
+
+/// How to run the work on a collection. `None` means: as the collection's file states.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct DriveOptions {
+    /// The largest number of concurrent processes; defaults to the number of hardware threads.
+    pub jobs: Option<usize>,
+    /// The most memory for all processes together; defaults to the free memory.
+    pub memory: Option<Bytes>,
+    /// The longest time per asset; defaults to a limit that depends on the scan's size.
+    pub time_limit: Option<Duration>,
+    /// The part of the collection to work on; `None` for all.
+    pub shard: Option<Shard>,
+    /// `true` to retry assets that failed or were refused.
+    pub retry_failed: bool,
+    /// `true` to allow reading files outside the folders of models.
+    pub allow_outside: bool,
+}
+
+/// An asset to be made.
+#[derive(Debug, Clone)]
+pub struct Todo {
+    /// The scan.
+    pub scan: Scan,
+    /// Its settings.
+    pub settings: Settings,
+    /// The SHA-256 of the settings, except for requirements.
+    pub settings_hash: String,
+    /// The scan's own file, not read yet; empty if it does not exist.
+    pub input: Vec<InputFile>,
+    /// Its size in bytes.
+    pub bytes: u64,
+}
+
+impl Todo {
+    /// Returns the relative cost of the work: a fixed part per asset, plus a part for its size.
+    pub fn cost(&self) -> f64 {
+        const EACH: u64 = 1 << 18;
+        (EACH + self.bytes) as f64
+    }
+}
 
 /// The outstanding work, and the assets that need none.
 pub struct Plan {
@@ -61,7 +101,7 @@ impl Plan {
 fn todo(collection: &Collection, scan: &Scan) -> Result<Todo> {
     let settings = collection.settings(&scan.id)?;
     let Settings { asset, thumbnail, turntable, viewer, .. } = &settings;
-    let settings_hash = address::of(&(asset.with_names(), thumbnail, turntable, viewer));
+    let settings_hash = hash_of(&(asset.with_names(), thumbnail, turntable, viewer));
     let known = InputFile::stat(&collection.folder().join(&scan.path)).ok();
     let input: Vec<_> = known.map(|file| InputFile { path: scan.path.clone(), ..file }).into_iter().collect();
     let bytes = input.iter().map(|file| file.bytes).sum();
@@ -95,7 +135,7 @@ fn due(todo: Todo, (folder, books): (&Path, &Books), retry: bool) -> Due {
 /// Returns the record of an asset that is judged again: its requirements, its title or the record version have
 /// changed.
 fn judged(last: &Record, todo: &Todo, object: &AssetObject) -> Record {
-    let required = object.figures.require(&todo.settings.require);
+    let required = object.figures.evaluate(&todo.settings.require);
     Record {
         schema: SCHEMA,
         attempt: last.attempt + 1,
@@ -109,4 +149,95 @@ fn judged(last: &Record, todo: &Todo, object: &AssetObject) -> Record {
         stages: Vec::new(),
         ..last.clone()
     }
+}
+
+/// The known state of a collection, and where it is recorded.
+pub struct Books {
+    /// The files.
+    pub store: Store,
+    manifest: Manifest,
+    /// The content of all manifests.
+    pub history: History,
+    /// Malformed manifest lines, and links that could not be created.
+    pub warnings: Warnings,
+}
+
+/// The resources that a process used.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Took {
+    /// Time, in seconds.
+    pub seconds: f64,
+    /// Memory, as estimated beforehand.
+    pub forecast: Option<u64>,
+}
+
+impl Books {
+    /// Opens the manifest, and reads all manifests.
+    ///
+    /// # Errors
+    /// As [`Manifest::open`] and [`History::read`].
+    pub fn open(root: PathBuf, shard: Option<Shard>) -> Result<Self> {
+        let store = Store::new(root);
+        store.make()?;
+        let manifest = Manifest::open(&Manifest::path_of(store.root(), shard))?;
+        let history = History::read(store.root())?;
+        let warnings = history.warnings.clone();
+        Ok(Self { store, manifest, history, warnings })
+    }
+
+    /// Returns the record of an attempt that has ended.
+    pub fn record(&self, todo: Todo, outcome: Outcome, took: Took) -> Record {
+        let input = if outcome.input.is_empty() { todo.input } else { outcome.input };
+        Record {
+            schema: SCHEMA,
+            attempt: 1 + self.history.last.get(&todo.scan.id).map_or(0, |last| last.attempt),
+            id: todo.scan.id,
+            ended: now(),
+            version: VERSION.into(),
+            settings: todo.settings_hash,
+            state: outcome.state,
+            error: outcome.error,
+            title: todo.scan.title,
+            input,
+            seconds: took.seconds,
+            stages: outcome.stages,
+            peak_bytes: outcome.peak_bytes,
+            forecast_bytes: took.forecast,
+            figures: outcome.figures,
+            require: todo.settings.require,
+            required: outcome.required,
+            warnings: outcome.warnings,
+            parts: outcome.parts,
+        }
+    }
+
+    /// Appends a record to the manifest, and creates links to the files it names. On a file system without links that
+    /// is only a warning: the objects exist.
+    ///
+    /// # Errors
+    /// Write errors.
+    pub fn add(&mut self, record: &Record) -> Result<()> {
+        if record.state.is_made()
+            && let Err(error) = self.store.link(&record.id, &record.parts)
+        {
+            self.warnings.note(format!("could not create a link: {error}"), 1);
+        }
+        self.manifest.add(record)?;
+        self.history.add(record.clone());
+        Ok(())
+    }
+
+    /// Counts the latest states of these assets.
+    pub fn states(&self, ids: &[String]) -> BTreeMap<State, usize> {
+        let mut states = BTreeMap::new();
+        for record in ids.iter().filter_map(|id| self.history.last.get(id)) {
+            *states.entry(record.state).or_default() += 1;
+        }
+        states
+    }
+}
+
+/// Returns the seconds since 1970.
+fn now() -> u64 {
+    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs())
 }

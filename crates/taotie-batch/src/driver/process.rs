@@ -1,14 +1,22 @@
-//! The process of an asset, as seen by its driver.
+//! The process of an asset, as seen by its driver; and an asset made again by one, to compare it with the existing
+//! one.
 
-use crate::job::{Go, Job, Message};
+use crate::collection::Collection;
+use crate::job::{Go, Job, Message, Outcome};
+use crate::record::Record;
 use serde::Serialize;
 use std::ffi::OsString;
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStderr, ChildStdin, ChildStdout, Command, ExitStatus, Stdio};
-use std::sync::mpsc::Sender;
+use std::sync::mpsc::{self, RecvTimeoutError, Sender};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
+use taotie::Limits;
+use taotie_engine::{Error, Result};
+
+/// How often processes are checked, and the caller is asked whether to go on.
+pub const POLL: Duration = Duration::from_millis(50);
 
 /// The program that does a job: it reads [`Job`] and [`Go`] from its stdin, one line of JSON each, writes
 /// [`Message`]s to its stdout, and exits at the end of its stdin.
@@ -131,7 +139,7 @@ impl Process {
 
 /// Forwards a process's messages until it closes its stdout. Malformed lines are skipped.
 fn listen(stdout: ChildStdout, number: u64, heard: &Sender<Heard>) {
-    let lines = BufReader::new(stdout).split(b'\n').map_while(Result::ok);
+    let lines = BufReader::new(stdout).split(b'\n').map_while(std::result::Result::ok);
     let messages = lines.filter_map(|line| serde_json::from_slice(&line).ok());
     for message in messages {
         let _ = heard.send(Heard { number, said: Some(message) });
@@ -150,4 +158,56 @@ fn tail(mut stderr: ChildStderr) -> String {
         }
     }
     String::from_utf8_lossy(&kept).trim().to_owned()
+}
+
+/// Makes an asset again in a temporary folder. `hear` returns true to go on.
+///
+/// # Errors
+/// [`Error::Cancelled`]; [`Error::Io`] if the folder or the process cannot be created.
+pub fn remake(
+    record: &Record,
+    collection: &Collection,
+    worker: &Worker,
+    hear: &mut dyn FnMut(f64) -> bool,
+) -> Result<Outcome> {
+    let root = collection.output();
+    let place = tempfile::Builder::new().prefix(".taotie-proof-").tempdir_in(&root);
+    let place = place.map_err(|e| Error::io(&root, e))?;
+    let output = place.path().canonicalize().map_err(|e| Error::io(place.path(), e))?;
+    let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let scan = record.input.first().map(|file| file.path.clone()).unwrap_or_default();
+    let job = Job {
+        id: record.id.clone(),
+        scan,
+        output,
+        settings: collection.settings(&record.id)?,
+        limits: Limits::default().or_free(),
+        threads,
+        reuse: false,
+    };
+    let (sender, heard) = mpsc::channel();
+    let folder = nonempty(collection.folder());
+    let started = Start { worker, folder: &folder, number: 0 }.process(&job, &sender);
+    let mut process = started.map_err(|e| Error::io(&worker.program, e))?;
+    let mut outcome = None;
+    loop {
+        match heard.recv_timeout(POLL) {
+            Ok(Heard { said: Some(Message::Forecast { .. }), .. }) => process.go(threads),
+            Ok(Heard { said: Some(Message::Ended(ended)), .. }) => outcome = Some(*ended),
+            Ok(Heard { said: Some(_), .. }) | Err(RecvTimeoutError::Timeout) => {}
+            Ok(Heard { said: None, .. }) | Err(RecvTimeoutError::Disconnected) => break,
+        }
+        if !hear(1.0) {
+            process.end();
+            return Err(Error::Cancelled);
+        }
+    }
+    let ended = process.wait().map_err(|e| Error::io(&worker.program, e))?;
+    let lost = || Error::invalid(&record.id, format!("its process ended without a result: {}", ended.1));
+    outcome.ok_or_else(lost)
+}
+
+/// Returns the folder's path, `.` if it is empty.
+pub fn nonempty(folder: &Path) -> PathBuf {
+    if folder.as_os_str().is_empty() { ".".into() } else { folder.to_path_buf() }
 }

@@ -1,16 +1,16 @@
 //! A collection whose processes are started by others, possibly on other machines: its plan and its books.
 
-use super::books::{Books, Took};
-use super::plan::Plan;
-use super::todo::Todo;
-use super::{DriveOptions, Summary, ended, ledger, nonempty};
+use super::Summary;
+use super::plan::{Books, DriveOptions, Plan, Todo, Took};
+use super::process::nonempty;
+use super::running::{failed, memory_to_read};
 use crate::collection::Collection;
 use crate::job::{Job, Outcome};
 use crate::record::Record;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use taotie::asset::Limits;
+use taotie::Limits;
 use taotie_engine::{Error, Result};
 
 /// A collection whose processes are started by others. It has exclusive write access to its manifest.
@@ -78,7 +78,7 @@ impl Remote {
                 reuse: true,
             },
             folder: folder.clone(),
-            reading: ledger::reading(todo.bytes),
+            reading: memory_to_read(todo.bytes),
         };
         let planned = plan.todo.iter().map(planned).collect();
         let todo = plan.todo.into_iter().map(|todo| (todo.scan.id.clone(), todo)).collect();
@@ -93,7 +93,7 @@ impl Remote {
         let Told { id, outcome, error, seconds, forecast } = report;
         let todo = self.todo.remove(&id);
         let todo = todo.ok_or_else(|| Error::invalid(id, "not a pending job"))?;
-        let lost = || ended::failed(error.unwrap_or_else(|| "its process ended without a result".into()));
+        let lost = || failed(error.unwrap_or_else(|| "its process ended without a result".into()));
         let outcome = outcome.unwrap_or_else(lost);
         let record = self.books.record(todo, outcome, Took { seconds, forecast });
         self.books.add(&record)?;

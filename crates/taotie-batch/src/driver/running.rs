@@ -1,10 +1,12 @@
-//! An asset with a running process.
+//! Assets with running processes: how long each may take, how it ended, and the memory that all may use together.
 
+use super::plan::Todo;
 use super::process::Process;
-use super::todo::Todo;
-use crate::job::{Message, Outcome};
-use crate::memory::peak_of;
+use crate::job::{Message, Outcome, peak_of};
+use crate::record::State;
+use std::process::ExitStatus;
 use std::time::{Duration, Instant};
+use taotie::Bytes;
 use taotie::asset::ScanSize;
 
 /// The phase of a process.
@@ -33,15 +35,15 @@ pub struct Running {
     /// Its own estimate of the memory it needs.
     pub forecast: Option<u64>,
     /// The highest memory use observed.
-    pub peak: Option<u64>,
+    peak: Option<u64>,
     /// The content address of what it makes.
     pub address: Option<String>,
     /// Its current stage.
-    pub stage: String,
+    stage: String,
     /// Its final message.
-    pub outcome: Option<Outcome>,
+    outcome: Option<Outcome>,
     /// The time limit that it has exceeded.
-    pub exceeded: Option<Duration>,
+    exceeded: Option<Duration>,
     triangles: u64,
     /// The time it has worked, excluding the current phase.
     spent: Duration,
@@ -137,5 +139,143 @@ impl Running {
     /// Ends it.
     pub fn end(self) {
         self.process.end();
+    }
+}
+
+/// Waits for the end of a process that has closed its stdout; returns the outcome of its job.
+pub fn outcome(ended: &mut Running) -> Outcome {
+    let waited = ended.process.wait();
+    let peak = ended.peak;
+    let outcome = match (waited, ended.outcome.take()) {
+        (Ok((status, _)), Some(outcome)) if status.success() => outcome,
+        (Ok((status, said)), _) => failed(sentence(ended, status, &said)),
+        (Err(error), _) => failed(format!("lost its process: {error}")),
+    };
+    Outcome { peak_bytes: outcome.peak_bytes.max(peak), ..outcome }
+}
+
+/// Returns the outcome of a job whose process could not be started.
+pub fn without_process(error: &std::io::Error, todo: &Todo) -> Outcome {
+    failed(format!("{}: could not start its process: {error}", todo.scan.id))
+}
+
+/// Returns the outcome of a job that did not finish.
+pub fn failed(error: String) -> Outcome {
+    Outcome {
+        state: State::Failed,
+        error: Some(error),
+        input: Vec::new(),
+        stages: Vec::new(),
+        figures: None,
+        required: Vec::new(),
+        warnings: Vec::new(),
+        parts: Vec::new(),
+        peak_bytes: None,
+    }
+}
+
+/// Describes how a process ended before its job was done.
+fn sentence(ended: &Running, status: ExitStatus, said: &str) -> String {
+    let stage = &ended.stage;
+    if let Some(limit) = ended.exceeded {
+        let seconds = limit.as_secs_f64();
+        return format!(
+            "took longer than {seconds:.0} s, stopped in stage `{stage}`; raise --time-limit, or ask for less"
+        );
+    }
+    if said.contains("memory allocation of") {
+        let estimate = ended.forecast.map_or("not known yet".into(), |bytes| Bytes(bytes).to_string());
+        return format!(
+            "ran out of memory in stage `{stage}` (estimate: {estimate}); allow more memory, or ask for less"
+        );
+    }
+    let how = match signal(status) {
+        Some(9) => "was killed (signal 9), often a sign of low memory".to_owned(),
+        Some(number) => format!("was killed by signal {number}"),
+        None => match status.code() {
+            Some(code) => format!("crashed with code {code}"),
+            None => "crashed".to_owned(),
+        },
+    };
+    let words = last_words(said);
+    format!("its process {how} in stage `{stage}`{words}")
+}
+
+#[cfg(unix)]
+fn signal(status: ExitStatus) -> Option<i32> {
+    std::os::unix::process::ExitStatusExt::signal(&status)
+}
+
+#[cfg(not(unix))]
+fn signal(_: ExitStatus) -> Option<i32> {
+    None
+}
+
+/// Returns the last line of a process's stderr, without control characters.
+fn last_words(said: &str) -> String {
+    const MOST: usize = 300;
+    let line = said.lines().rev().find(|line| !line.trim().is_empty() && !line.starts_with("note: "));
+    let plain = |c: char| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c };
+    line.map_or(String::new(), |line| {
+        format!(": {}", line.trim().chars().take(MOST).map(plain).collect::<String>())
+    })
+}
+
+/// The memory promised to processes, out of the total.
+#[derive(Debug)]
+pub struct Ledger {
+    budget: u64,
+    taken: u64,
+}
+
+/// Returns the memory for reading a scan until its estimate is known: that of a file of `bytes` bytes, unpacked, plus
+/// the program itself.
+pub fn memory_to_read(bytes: u64) -> u64 {
+    const PROGRAM: u64 = 64 << 20;
+    const UNPACKED: u64 = 6;
+    bytes.saturating_mul(UNPACKED).saturating_add(PROGRAM)
+}
+
+impl Ledger {
+    /// Creates a ledger; without a budget there is always room.
+    pub fn new(budget: Option<Bytes>) -> Self {
+        Self { budget: budget.map_or(u64::MAX, |bytes| bytes.0), taken: 0 }
+    }
+
+    /// Returns true if there is room for `want` bytes in place of the `held` bytes already promised.
+    pub fn has_room(&self, want: u64, held: u64) -> bool {
+        self.taken.saturating_sub(held).saturating_add(want) <= self.budget
+    }
+
+    /// Reserves memory.
+    pub fn take(&mut self, bytes: u64) {
+        self.taken = self.taken.saturating_add(bytes);
+    }
+
+    /// Releases reserved memory.
+    pub fn give_back(&mut self, bytes: u64) {
+        self.taken = self.taken.saturating_sub(bytes);
+    }
+
+    /// Returns how many processes of `each` bytes fit, at least one.
+    pub fn holds(&self, each: u64) -> usize {
+        usize::try_from(self.budget / each.max(1)).unwrap_or(usize::MAX).max(1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn room_is_what_others_leave() {
+        let mut ledger = Ledger::new(Some(Bytes(100)));
+        ledger.take(60);
+        assert!(ledger.has_room(40, 0) && !ledger.has_room(41, 0));
+        assert!(ledger.has_room(70, 30), "a process's own share does not count against it");
+        ledger.give_back(60);
+        assert!(ledger.has_room(100, 0) && !ledger.has_room(101, 0));
+        assert_eq!((ledger.holds(30), ledger.holds(1000), ledger.holds(0)), (3, 1, 100));
+        assert!(Ledger::new(None).has_room(u64::MAX, 0));
     }
 }

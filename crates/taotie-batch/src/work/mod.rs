@@ -1,27 +1,22 @@
 //! The process of one asset: scan, bake, proof, files, pictures, page.
 
-mod asset;
-mod clock;
-mod context;
-mod pictures;
-mod viewer;
+mod outputs;
 
-use crate::job::{Go, Job, Message, Outcome};
-use crate::memory;
-use crate::objects::{AssetObject, DerivedObject, Object};
-use crate::record::{Part, ShortFigures, State};
-use crate::store::Store;
-use crate::{address, input};
-use clock::Clock;
-use context::Work;
+use crate::job::{Go, Job, Message, Outcome, bound_process, own_peak};
+use crate::record::{InputFile, Part, ShortFigures, Stage, State, read_input};
+use crate::store::{AssetObject, DerivedObject, Object, Store, address_of_asset, address_of_derived};
+use outputs::Work;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::Serialize;
 use std::path::Path;
-use taotie::asset::{Baker, Bytes, Requirement, RequirementOutcome, ScanFile, Warning};
+use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
+use taotie::asset::{Baker, Requirement, RequirementOutcome, ScanFile};
+use taotie::{Bytes, Warning};
 use taotie_engine::{Error, Progress, Result};
 use taotie_io::FileSet;
 
-pub use context::Host;
+pub use outputs::Host;
 
 /// Does a job, reporting progress to the driver; returns the outcome. Paths are relative to the current folder.
 pub fn run(job: &Job, host: Host<'_>) -> Outcome {
@@ -44,14 +39,14 @@ pub fn run(job: &Job, host: Host<'_>) -> Outcome {
         required: made.required,
         warnings: made.warnings,
         parts: made.parts,
-        peak_bytes: memory::own_peak(),
+        peak_bytes: own_peak(),
     }
 }
 
 /// The results of a job so far.
 #[derive(Default)]
 struct Made {
-    input: Vec<input::InputFile>,
+    input: Vec<InputFile>,
     figures: Option<ShortFigures>,
     required: Vec<RequirementOutcome>,
     warnings: Vec<Warning>,
@@ -66,8 +61,8 @@ impl Work<'_> {
         let file = file.with_options(settings.asset.scan);
         Requirement::check_unit(&settings.require, file.unit())?;
         self.progress.begin("hash")?;
-        made.input = input::read(file.files(), &settings.asset, &job.limits)?;
-        let at = address::of_asset(&settings.asset, &made.input);
+        made.input = read_input(file.files(), &settings.asset, &job.limits)?;
+        let at = address_of_asset(&settings.asset, &made.input);
         (self.host.send)(Message::Address { address: at.clone() });
         let known = self.store.object::<AssetObject>(&at).filter(|_| job.reuse);
         let reused = known.is_some();
@@ -75,10 +70,10 @@ impl Work<'_> {
             Some(object) => (object, most),
             None => {
                 let threads = self.admitted(&most, &file)?;
-                (threads.install(|| asset::make(self, file, &at))?, threads)
+                (threads.install(|| outputs::asset(self, file, &at))?, threads)
             }
         };
-        made.required = object.figures.require(&settings.require);
+        made.required = object.figures.evaluate(&settings.require);
         made.figures = Some(object.short());
         made.warnings.clone_from(&object.warnings);
         let model = self.store.path(&at).join(&object.files[0].name);
@@ -93,7 +88,7 @@ impl Work<'_> {
         self.job.limits.check(format!("a bake of {triangles} triangles"), need)?;
         (self.host.send)(Message::Forecast { bytes: need.0, triangles });
         let Go { threads } = (self.host.go)();
-        memory::bound_process(need).map_err(|error| Error::invalid("the memory limit", error.to_string()))?;
+        bound_process(need).map_err(|error| Error::invalid("the memory limit", error.to_string()))?;
         pool(threads)
     }
 
@@ -116,18 +111,20 @@ impl Work<'_> {
         if let Some(thumbnail) = &settings.thumbnail {
             let of = Derived { kind: "thumbnail", asset, ending: "webp" };
             made.parts.push(self.derived(of, thumbnail, |path, files| {
-                pictures::thumbnail(model, (path, files), *thumbnail, self)
+                outputs::thumbnail(model, (path, files), *thumbnail, self)
             })?);
         }
         if let Some(turntable) = &settings.turntable {
             let of = Derived { kind: "turntable", asset, ending: "turn.png" };
             made.parts.push(self.derived(of, turntable, |path, files| {
-                pictures::turntable(model, (path, files), *turntable, self)
+                outputs::turntable(model, (path, files), *turntable, self)
             })?);
         }
         if let Some(page) = &settings.viewer {
             let of = Derived { kind: "viewer", asset, ending: "html" };
-            made.parts.push(self.derived(of, page, |path, files| viewer::page(model, (path, files), self))?);
+            made.parts.push(
+                self.derived(of, page, |path, files| outputs::viewer_page(model, (path, files), self))?,
+            );
         }
         Ok(())
     }
@@ -139,7 +136,7 @@ impl Work<'_> {
         settings: &impl Serialize,
         write: impl FnOnce(&Path, &FileSet) -> Result<()>,
     ) -> Result<Part> {
-        let at = address::of_derived(of.kind, settings, of.asset);
+        let at = address_of_derived(of.kind, settings, of.asset);
         if let Some(known) = self.store.object::<DerivedObject>(&at).filter(|_| self.job.reuse) {
             return Ok(known.into_part(at, true));
         }
@@ -168,4 +165,50 @@ struct Derived<'a> {
 fn pool(threads: usize) -> Result<ThreadPool> {
     let built = ThreadPoolBuilder::new().num_threads(threads.max(1)).build();
     built.map_err(|error| Error::limit(format!("{threads} threads"), format!("{error}; use fewer")))
+}
+
+/// Receives stages, reports them to the driver, and times them.
+struct Clock<'a> {
+    send: &'a (dyn Fn(Message) + Sync),
+    heard: Mutex<Heard>,
+}
+
+#[derive(Default)]
+struct Heard {
+    done: Vec<Stage>,
+    running: Option<(&'static str, Instant)>,
+}
+
+impl<'a> Clock<'a> {
+    /// Creates a clock without any stages.
+    fn new(send: &'a (dyn Fn(Message) + Sync)) -> Self {
+        Self { send, heard: Mutex::default() }
+    }
+
+    /// Starts a stage; always returns true, so that the work goes on.
+    fn hear(&self, stage: &'static str) -> bool {
+        let mut heard = self.heard.lock().unwrap_or_else(PoisonError::into_inner);
+        if !stage.is_empty() && heard.running.is_none_or(|(running, _)| running != stage) {
+            heard.end();
+            heard.running = Some((stage, Instant::now()));
+            (self.send)(Message::Stage { stage: stage.into() });
+        }
+        true
+    }
+
+    /// Ends the current stage; returns all of them.
+    fn done(&self) -> Vec<Stage> {
+        let mut heard = self.heard.lock().unwrap_or_else(PoisonError::into_inner);
+        heard.end();
+        std::mem::take(&mut heard.done)
+    }
+}
+
+impl Heard {
+    fn end(&mut self) {
+        if let Some((stage, start)) = self.running.take() {
+            let milliseconds = start.elapsed().as_secs_f64() * 1e3;
+            self.done.push(Stage { stage: stage.into(), milliseconds });
+        }
+    }
 }

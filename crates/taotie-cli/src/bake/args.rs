@@ -1,22 +1,16 @@
 //! The options of `taotie bake`.
 
-use super::images::Images;
-use super::scan_args::ScanArgs;
-use crate::limits::LimitArgs;
 use crate::options::{self, fraction, positive};
-use crate::proof_args::ProofArgs;
-use crate::running::RunArgs;
+use crate::proof_args::{ProofArgs, ScanArgs};
+use crate::running::{LimitArgs, RunArgs};
 use crate::studio::{Green, Space};
-use anyhow::{Result, bail};
 use clap::Args;
-use std::path::{Path, PathBuf};
-use taotie::asset::{
-    BakeOptions, Baker, Figure, Limits, Lod, MeshSource, Packing, Preset, RayDistance, Requirement,
-};
+use std::path::PathBuf;
+use taotie::asset::{Lod, Preset, Requirement};
 use taotie_engine::Error;
 use taotie_engine::bake::MapKind;
 use taotie_engine::names::Named;
-use taotie_io::{CodecKind, CodecSet, FileSet, TextureCodecs};
+use taotie_io::{CodecKind, CodecSet, TextureCodecs};
 
 /// Options that fix what a search would choose.
 const BY_HAND: [&str; 5] = ["low", "triangles", "size", "bits", "meshopt"];
@@ -133,7 +127,7 @@ pub struct BakeArgs {
     /// jpeg:85 and avif:80 (base colour and emission; the rest stays lossless), ktx2:2 (λ of rate–distortion
     /// optimisation, 1 to 64, for all but normals). Separate formats for colours, normals and numbers:
     /// jpeg:90/webp/webp:75. A quality turns the search off
-    #[arg(long, value_name = "auto|FORMAT[:QUALITY],...", value_parser = super::images::images, default_value = "auto", help_heading = "File")]
+    #[arg(long, value_name = "auto|FORMAT[:QUALITY],...", value_parser = images, default_value = "auto", help_heading = "File")]
     pub images: Images,
     /// Compress geometry with meshoptimizer
     #[arg(long, help_heading = "File")]
@@ -205,7 +199,7 @@ fn degrees(text: &str) -> Result<f64, String> {
 
 impl<T> Auto<T> {
     /// Returns the explicit value.
-    fn given(self) -> Option<T> {
+    pub fn given(self) -> Option<T> {
         match self {
             Self::Auto => None,
             Self::Given(value) => Some(value),
@@ -213,316 +207,83 @@ impl<T> Auto<T> {
     }
 }
 
-impl BakeArgs {
-    /// Rejects options that cannot work together, before any work is done.
-    pub fn check(&self) -> Result<()> {
-        let extension = self.output.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
-        if !matches!(extension.as_deref(), Some("glb" | "gltf" | "png" | "webp" | "exr")) {
-            bail!(
-                "{}: unsupported format; write assets as .glb or .gltf, standalone maps as .png, .webp or .exr",
-                self.output.display()
-            );
-        }
-        self.check_alone()?;
-        let same = |path: &Path| {
-            path.canonicalize().ok().is_some_and(|p| Some(p) == self.output.canonicalize().ok())
-        };
-        let mut inputs = [Some(&self.high), self.low.as_ref(), self.cage.as_ref()].into_iter().flatten();
-        if let Some(input) = inputs.find(|input| same(input)) {
-            let (output, input) = (self.output.display(), input.display());
-            bail!("{output}: it would overwrite the input {input}; choose another name or folder");
-        }
-        let [width, height] = self.size();
-        let size = if width == height { width.to_string() } else { format!("{width}x{height}") };
-        if width != height && self.low.is_none() {
-            bail!("--size {size}: generated atlases are square; give one number, or --low with UVs");
-        }
-        self.check_search()?;
-        if !self.searches()
-            && let Err(why) = self.images.codecs()
-        {
-            bail!("--images: {why}");
-        }
-        if self.formats().has(CodecKind::Ktx2) && !self.size().iter().all(|side| side.is_multiple_of(4)) {
-            bail!(
-                "--size {size}: KTX2 needs multiples of 4; choose another size, or another format in --images"
-            );
-        }
-        self.check_levels()?;
-        if self.green == Green::Down && (self.space == Space::Object || !self.bakes_normals()) {
-            bail!("--green down: no normal or bent map is baked in tangent space; bake one, or leave it out");
-        }
-        self.check_unread()?;
-        self.proof.signature().check()?;
-        self.options().check()?;
-        Ok(self.packing().check()?)
-    }
+/// The formats of textures: candidates for a search, or fixed ones.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Images {
+    /// The program's choice.
+    Auto,
+    /// Candidate formats; a search chooses the quality.
+    Kinds(Vec<CodecKind>),
+    /// Formats with a given quality.
+    Given(TextureCodecs),
+}
 
-    /// Returns true if only maps are written, without a model.
-    fn is_alone(&self) -> bool {
-        ["png", "webp", "exr"].into_iter().any(|extension| self.has_extension(extension))
-    }
-
-    fn has_extension(&self, wanted: &str) -> bool {
-        self.output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
-    }
-
-    /// Rejects options that need a model if only maps are written.
-    fn check_alone(&self) -> Result<()> {
-        let given = [
-            ("--lods", !self.lods.is_empty()),
-            ("--images", self.images != Images::Auto),
-            ("--meshopt", self.meshopt),
-            ("--codecs", self.codecs != CodecSet::Portable),
-            ("--provenance", self.provenance.is_some()),
-            ("--preset", self.preset.is_some()),
-            ("--max-triangles", self.max_triangles.is_some()),
-            ("--trials", self.trials.is_some()),
-            ("--max-gpu-memory", self.max_gpu_memory.is_some()),
-            ("--error", self.error.is_some()),
-            ("--bytes", self.bytes.is_some()),
-            ("--triangles", self.triangles.is_some()),
-        ];
-        let output = self.output.display();
-        match given.iter().find(|(_, given)| *given) {
-            Some((option, _)) if self.is_alone() => {
-                bail!("{option}: {output} holds only maps, not a model; leave it out, or write a .glb")
-            }
-            None if self.is_alone() && self.low.is_none() => {
-                bail!("{output}: standalone maps need a mesh with UVs: give one with --low, or write a .glb")
-            }
-            _ => self.check_depth(),
+impl Images {
+    /// Returns the formats to choose from; empty for the program's choice.
+    pub fn kinds(&self) -> Vec<CodecKind> {
+        match self {
+            Self::Kinds(kinds) => kinds.clone(),
+            Self::Auto | Self::Given(_) => Vec::new(),
         }
     }
 
-    /// Rejects 16-bit maps in an 8-bit file format.
-    fn check_depth(&self) -> Result<()> {
-        let deep = [MapKind::Height, MapKind::Curvature];
-        let maps = self.maps();
-        match maps.iter().find(|map| deep.contains(map)) {
-            _ if self.has_extension("exr") && self.bits.is_some() => {
-                bail!("--bits: an .exr stores floats; leave it out, or write a .png")
-            }
-            _ if !self.has_extension("webp") => Ok(()),
-            Some(map) => bail!("--maps {}: it needs 16 bits, and WebP stores 8; write a .png", map.name()),
-            None if self.bits() == 16 => bail!("--bits 16: WebP stores 8 bits; write a .png, or use 8"),
-            None => Ok(()),
+    /// Returns the formats of a bake without a search.
+    ///
+    /// # Errors
+    /// Several formats, and JPEG or AVIF without a quality.
+    pub fn codecs(&self) -> Result<TextureCodecs, String> {
+        match self {
+            Self::Auto => Ok(TextureCodecs::default()),
+            Self::Given(codecs) => Ok(*codecs),
+            Self::Kinds(kinds) => match kinds[..] {
+                [kind] => {
+                    let without = || format!("specify a quality, such as {}:85", kind.name());
+                    let codec = kind.least_lossy().ok_or_else(without)?;
+                    Ok(codec.into())
+                }
+                _ => Err("these options run no search; specify one format".into()),
+            },
         }
     }
+}
 
-    /// Rejects options that have no effect.
-    fn check_unread(&self) -> Result<()> {
-        let (maps, carries) = (self.maps(), self.carries());
-        let bakes = |map: MapKind| maps.contains(&map);
-        let of_sky = [("--ao-rays", self.ao_rays.is_some()), ("--ao-distance", self.ao_distance.is_some())];
-        let sky = bakes(MapKind::Occlusion) || bakes(MapKind::Bent);
-        if let Some((option, _)) = of_sky.iter().find(|(_, given)| *given && !sky) {
-            bail!("{option}: neither ao nor bent is baked; add one of them to --maps");
-        }
-        let has_texture = self.low.is_some() || carries || maps.iter().any(|map| self.is_inside(*map));
-        if self.images != Images::Auto && !has_texture {
-            bail!(
-                "--images: the asset has no textures; leave it out, or add a map that is stored in the asset to --maps"
-            );
-        }
-        self.check_loss()?;
-        let separate = self.space == Space::Object || self.green == Green::Down || bakes(MapKind::Bent);
-        let kind = self.formats().normals.kind();
-        if self.bits() == 16 && kind != CodecKind::Png && bakes(MapKind::Normal) && !separate {
-            bail!("--bits 16: {kind} stores 8 bits; write PNG, or use 8");
-        }
-        Ok(())
+/// Parses `auto`, names of formats separated by commas, or formats with their quality.
+fn images(text: &str) -> Result<Images, String> {
+    if text == "auto" {
+        return Ok(Images::Auto);
     }
-
-    /// Rejects a quality that applies to no texture.
-    fn check_loss(&self) -> Result<()> {
-        let codecs = self.formats();
-        if codecs.colors.number().is_some() && !self.may_lose() {
-            bail!(
-                "--images {codecs}: the only textures are normals, which the quality does not affect; use {}",
-                codecs.normals
-            );
-        }
-        Ok(())
+    let is_no_name = |name: &str| name.trim() == "auto" || name.contains([':', '/']);
+    if text.contains(',') && text.split(',').any(is_no_name) {
+        return Err(
+            "a list takes names only: write webp,png, or one format with its quality, such as webp:85".into(),
+        );
     }
-
-    /// Returns true if the asset may hold textures other than normals.
-    fn may_lose(&self) -> bool {
-        let is_lossy = |map: &MapKind| *map != MapKind::Normal && self.is_inside(*map);
-        self.low.is_some() || self.carries() || self.maps().iter().any(is_lossy)
+    if text.contains([':', '/']) {
+        return text.parse().map(Images::Given).map_err(|error: Error| error.to_string());
     }
+    let mut kinds = text.split(',').map(options::named).collect::<Result<Vec<CodecKind>, _>>()?;
+    kinds.sort_unstable();
+    kinds.dedup();
+    Ok(Images::Kinds(kinds))
+}
 
-    /// Returns true if a map is stored in the asset rather than next to it.
-    fn is_inside(&self, map: MapKind) -> bool {
-        match map {
-            MapKind::Normal => self.space == Space::Tangent,
-            other => !matches!(other, MapKind::Height | MapKind::Curvature | MapKind::Bent),
-        }
-    }
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use taotie_io::ImageCodec;
 
-    /// Rejects outputs that cannot be written or that are inputs.
-    pub fn claim(&self, files: &FileSet) -> Result<()> {
-        let read = [Some(&self.high), self.low.as_ref(), self.cage.as_ref(), self.provenance.as_ref()];
-        files.protect(read.into_iter().flatten())?;
-        let asset = Baker::new(self.options()).may_write(&self.output, &self.packing());
-        asset.iter().try_for_each(|path| files.reserve(path))?;
-        files.claim(&self.output)?;
-        let reports = self.reports();
-        if let Some(path) = &self.trials {
-            let written = asset.iter().chain(&reports).find(|written| *written == path);
-            if written.is_some() || path.extension().is_none_or(|extension| extension != "csv") {
-                bail!("--trials {}: choose another file, with the extension .csv", path.display());
-            }
-            files.claim(path)?;
-        }
-        let mut reports = reports.iter().filter(|_| !self.no_verify);
-        Ok(reports.try_for_each(|path| files.claim(path))?)
-    }
-
-    /// Returns the files of the report: a page and JSON.
-    pub fn reports(&self) -> [PathBuf; 2] {
-        ["report.html", "report.json"].map(|kind| self.output.with_extension(kind))
-    }
-
-    /// Returns the model that the report shows; `None` if no file holds it with its normal map.
-    pub fn shown_model(&self) -> Option<&Path> {
-        (!self.is_alone() && self.space == Space::Tangent).then_some(&self.output)
-    }
-
-    /// Rejects requirements on levels of detail that are not made.
-    fn check_levels(&self) -> Result<()> {
-        let coarsest = self.lods().len();
-        for requirement in self.proof.requirements() {
-            if let Some(level) = requirement.level.filter(|level| *level > coarsest) {
-                bail!(
-                    "--require {}@{level}: the coarsest level of detail is {coarsest}; add more with --lods",
-                    requirement.name()
-                );
-            }
-        }
-        Ok(())
-    }
-
-    /// Returns the options of the bake.
-    pub fn options(&self) -> BakeOptions {
-        BakeOptions {
-            goal: self.goal(),
-            bytes: self.bytes,
-            images: self.kinds(),
-            codecs: self.codecs,
-            ..self.unsearched()
-        }
-    }
-
-    /// Returns the options of a bake without a search.
-    pub(super) fn unsearched(&self) -> BakeOptions {
-        BakeOptions {
-            low: self.low.clone().map(MeshSource::File),
-            triangles: self.triangles(),
-            lods: self.lods(),
-            keep_uvs: self.is_alone(),
-            size: self.size()[0],
-            height: (self.size()[1] != self.size()[0]).then_some(self.size()[1]),
-            maps: self.maps(),
-            carry: self.carries(),
-            space: self.space.into(),
-            side: self.samples.parse().unwrap_or(4u32).isqrt(),
-            bits: self.bits(),
-            dilation: self.dilation.given(),
-            ao_rays: self.ao_rays.unwrap_or(BakeOptions::default().ao_rays),
-            ao_distance: self.ao_distance,
-            roughness: self.roughness,
-            ray_distance: self.ray_distance(),
-            inspect: !self.no_verify,
-            ..BakeOptions::default()
-        }
-    }
-
-    /// Returns the coarser levels of detail, by default those of the preset.
-    fn lods(&self) -> Vec<Lod> {
-        let has_budget = self.proof.requirements().iter().any(|required| required.figure == Figure::Bytes);
-        let is_open = self.lods.is_empty() && self.bytes.is_none() && !has_budget;
-        let of_preset = self.preset.filter(|_| is_open).map(Preset::lods);
-        of_preset.unwrap_or_else(|| self.lods.clone())
-    }
-
-    /// Returns true if the maps of the scan's own materials are baked in addition to the named ones.
-    fn carries(&self) -> bool {
-        self.maps.contains(&Auto::Auto)
-    }
-
-    /// Returns the maps requested by name; `auto` implies normals.
-    pub(super) fn maps(&self) -> Vec<MapKind> {
-        let named = self.maps.iter().filter_map(|map| map.given());
-        let normal = self.carries().then_some(MapKind::Normal);
-        normal.into_iter().chain(named).collect()
-    }
-
-    /// Returns true if normal or bent maps are baked, the only ones with a choice of bits.
-    fn bakes_normals(&self) -> bool {
-        self.maps().iter().any(|map| matches!(map, MapKind::Normal | MapKind::Bent))
-    }
-
-    fn ray_distance(&self) -> RayDistance {
-        match (&self.cage, self.ray_distance) {
-            (Some(path), _) => RayDistance::Cage(MeshSource::File(path.clone())),
-            (None, Auto::Auto) => RayDistance::Auto,
-            (None, Auto::Given(distance)) => RayDistance::Uniform(distance),
-        }
-    }
-
-    /// Returns the packing of the asset.
-    pub fn packing(&self) -> Packing {
-        Packing {
-            images: self.formats(),
-            meshopt: self.meshopt,
-            codecs: if self.searches() { CodecSet::default() } else { self.codecs },
-            provenance: self.provenance.clone(),
-            green: self.green.into(),
-            ..Packing::default()
-        }
-    }
-
-    /// Returns the image formats that a search chooses from; empty without a search.
-    fn kinds(&self) -> Vec<CodecKind> {
-        match (&self.images, self.preset) {
-            _ if !self.searches() => Vec::new(),
-            (Images::Auto, Some(preset)) => preset.images(),
-            (images, _) => images.kinds(),
-        }
-    }
-
-    fn triangles(&self) -> u32 {
-        self.triangles.unwrap_or(BakeOptions::default().triangles)
-    }
-
-    fn size(&self) -> [u32; 2] {
-        self.size.unwrap_or([BakeOptions::default().size; 2])
-    }
-
-    fn bits(&self) -> u8 {
-        match self.bits.as_deref() {
-            Some("16") => 16,
-            None if self.has_extension("exr") && self.bakes_normals() => 16,
-            _ => BakeOptions::default().bits,
-        }
-    }
-
-    /// Returns the formats of textures without a search; PNG with one.
-    fn formats(&self) -> TextureCodecs {
-        if self.searches() {
-            return TextureCodecs::default();
-        }
-        self.images.codecs().unwrap_or_default()
-    }
-
-    /// Returns `true` if textures are packed as WebP, AVIF or KTX2, which takes longer than PNG.
-    pub fn is_packed(&self) -> bool {
-        self.formats() != TextureCodecs::default()
-    }
-
-    /// Returns the limits of the bake.
-    pub fn limits(&self) -> Limits {
-        self.limits.limits()
+    #[test]
+    fn sets_and_formats_are_told_apart() {
+        assert_eq!(images("auto"), Ok(Images::Auto));
+        assert_eq!(images("webp, png,webp"), Ok(Images::Kinds(vec![CodecKind::Png, CodecKind::WebP])));
+        assert_eq!(images("webp:85"), Ok(Images::Given(ImageCodec::LossyWebP(85).into())));
+        assert!(images("webp:85,png").is_err() && images("gif").is_err());
+        let codecs = |text: &str| images(text).unwrap().codecs();
+        assert_eq!(codecs("ktx2"), Ok(ImageCodec::Ktx2(0).into()));
+        assert!(
+            codecs("jpeg").unwrap_err().contains("quality")
+                && codecs("avif").unwrap_err().contains("avif:85")
+                && codecs("png,webp").is_err()
+        );
     }
 }

@@ -1,25 +1,17 @@
 //! `taotie bake`: a high-poly scan to a low-poly asset with a normal map, and its measured error.
 
 mod args;
-mod choice;
 pub mod clock;
-mod images;
-mod scan_args;
-mod schedule;
-mod search;
+mod request;
 pub mod text;
-mod worst;
 
 pub use args::BakeArgs;
-pub use scan_args::ScanArgs;
 
 use crate::{Outcome, console, stop};
 use anyhow::Result;
-use clock::Clock;
-use schedule::Schedule;
-use taotie::asset::{
-    Baker, Certificate, Limits, MemoryEstimate, Proof, Report, Requirement, ScanFile, Warning, WrittenAsset,
-};
+use clock::{Clock, Schedule};
+use taotie::Limits;
+use taotie::asset::{Baker, Certificate, MemoryEstimate, Proof, Report, Requirement, ScanFile, WrittenAsset};
 use taotie_engine::{Progress, Warnings};
 use taotie_io::FileSet;
 use taotie_report::bake_page;
@@ -79,7 +71,7 @@ fn bake(args: &BakeArgs, files: &FileSet) -> Result<Report> {
             None => (taotie_report::html(&page), Warnings::default()),
         };
         console::say_warnings(&warnings);
-        report.warnings.extend(Warning::list(&warnings));
+        report.warnings.extend(warnings.list());
         let [html, json] = args.reports();
         files.write_text(&html, &page)?;
         files.write_text(&json, &serde_json::to_string_pretty(&report)?)?;
@@ -106,7 +98,7 @@ fn check_memory(args: &BakeArgs, baked: &MemoryEstimate, limits: Limits) -> Resu
 fn add_proof(args: &BakeArgs, report: &mut Report, (written, proof): (&WrittenAsset, &Proof)) -> Result<()> {
     let (options, signature) = (args.proof_options(), args.proof.signature());
     console::say_warnings(&proof.warnings);
-    report.warnings.extend(Warning::list(&proof.warnings));
+    report.warnings.extend(proof.warnings.list());
     report.proof = Some(proof.figures.clone());
     report.certificate = Some(Certificate::of_written(written, &proof.figures, &options, &signature)?);
     report.files.extend(args.reports());

@@ -1,14 +1,15 @@
-//! The text that a bake prints.
+//! The text that a bake or a proof prints: the chosen trial of a search, the figures of the finest level, the worst
+//! parts of the asset, and the requirements.
 
-use super::{choice, worst};
 use std::fmt::Write;
 use taotie::asset::{
-    BakeFigures, Figures, LevelFigures, MaterialFigures, PartFigures, Report, RequirementOutcome, ViewFigures,
+    BakeFigures, Beyond, Figures, LevelFigures, MaterialFigures, PartFigures, Report, RequirementOutcome,
+    Trial, ViewFigures, WorstParts,
 };
 use taotie_engine::compare::Summary;
 use taotie_engine::length::{ShownLength, place_text, texel_text};
-use taotie_report::summary;
-use taotie_report::table::Table;
+use taotie_engine::proof::{Region, WorstRegions};
+use taotie_report::table::{Table, summary_text};
 
 /// Formats the report as aligned lines.
 pub fn of(report: &Report) -> String {
@@ -18,7 +19,7 @@ pub fn of(report: &Report) -> String {
         let _ = write!(text, ", maps of {}×{}", report.size[0], report.size[1]);
     }
     text.push('\n');
-    text.extend(choice::line(report).map(|line| line + "\n"));
+    text.extend(chosen_trial(report).map(|line| line + "\n"));
     let mut table = Table::untitled(&["", ""]);
     if !report.carried.is_empty() {
         table.row(["carried".into(), report.carried.join(", ")]);
@@ -26,8 +27,8 @@ pub fn of(report: &Report) -> String {
     if let Some(figures) = &report.proof {
         if let Some(finest) = figures.finest() {
             as_seen(figures, finest, &mut table);
-            worst::parts(figures, &finest.worst_parts, &mut table);
-            worst::beyond(&finest.beyond, &mut table);
+            worst_parts(figures, &finest.worst_parts, &mut table);
+            beyond(&finest.beyond, &mut table);
             on_surface(finest, report.bake.as_ref(), &mut table);
             shape(figures, finest, &mut table);
             material(&finest.material, &mut table);
@@ -54,6 +55,53 @@ pub fn of(report: &Report) -> String {
     text.trim_end().to_owned()
 }
 
+/// Returns a line about the chosen trial and the smallest of each other kind; `None` without a search.
+fn chosen_trial(report: &Report) -> Option<String> {
+    let trials = &report.trials;
+    let chosen = trials.iter().find(|trial| trial.is_chosen)?;
+    let others = Trial::KINDS.into_iter().filter(|kind| *kind != chosen.kind()).filter_map(|kind| {
+        let of_kind = || trials.iter().filter(|trial| trial.kind() == kind);
+        let smallest = of_kind().filter(|trial| trial.is_near).min_by_key(|trial| trial.bytes);
+        let within = of_kind().filter(|trial| trial.is_within());
+        let nearest = within.min_by(|a, b| a.ratio().total_cmp(&b.ratio()));
+        of_kind().next()?;
+        Some(match (smallest, nearest) {
+            (Some(other), _) => format!("{kind}: {}", kilobytes(other.bytes)),
+            (None, Some(nearest)) => format!("{kind}: not close enough, {}", differences(nearest)),
+            (None, None) => format!("{kind}: exceeds a ceiling"),
+        })
+    });
+    let others: Vec<String> = others.collect();
+    let Trial { triangles, bytes, size, normals, .. } = *chosen;
+    let maps = match (size, normals) {
+        (0, _) => String::new(),
+        (size, None) if chosen.is_scan => format!(", textures of at most {size} texels per side"),
+        (size, Some(lossy)) if chosen.is_scan => {
+            format!(", textures of at most {size} texels per side, normals as {lossy}")
+        }
+        (size, None) => format!(", maps of {size}×{size}"),
+        (size, Some(lossy)) => format!(", maps of {size}×{size}, normals as {lossy}"),
+    };
+    let beaten = if others.is_empty() { String::new() } else { format!(" ({})", others.join("; ")) };
+    Some(format!(
+        "chosen from {} trials: {}, {triangles} triangles{maps}, {}, {}{beaten}",
+        trials.len(),
+        chosen.kind(),
+        kilobytes(bytes),
+        differences(chosen)
+    ))
+}
+
+/// Returns the mean visible differences.
+fn differences(trial: &Trial) -> String {
+    let color = trial.mean_color.map_or_else(String::new, |color| format!(" and ΔE {color:.2}"));
+    format!("{:.2}°{color}", trial.mean_angle)
+}
+
+fn kilobytes(bytes: u64) -> String {
+    format!("{:.0} kB", bytes as f64 / 1000.0)
+}
+
 fn percent(part: f64) -> String {
     format!("{:.3} %", part * 100.0)
 }
@@ -62,11 +110,11 @@ fn as_seen(figures: &Figures, level: &LevelFigures, table: &mut Table) {
     if let Some(angles) = &level.overview.angles {
         let [low, high] = angles.mean_interval;
         let half = (high - low) / 2.0;
-        let text = summary::text(&angles.summary, 3, "°");
+        let text = summary_text(&angles.summary, 3, "°");
         table.row(["normal error as seen".into(), format!("{text}; mean ± {half:.3}°")]);
     }
     if let Some(color) = &level.overview.color {
-        table.row(["colour error as seen (ΔE00)".into(), summary::text(&color.summary, 2, "")]);
+        table.row(["colour error as seen (ΔE00)".into(), summary_text(&color.summary, 2, "")]);
     }
     let patches = [(&level.patches.angle, "", "°"), (&level.patches.color, "ΔE ", "")];
     let patches: Vec<String> = patches
@@ -82,9 +130,62 @@ fn as_seen(figures: &Figures, level: &LevelFigures, table: &mut Table) {
     }
 }
 
+/// Adds the worst UV island and the worst material.
+fn worst_parts(figures: &Figures, parts: &WorstParts, table: &mut Table) {
+    let place = |region: &Region| place_text(region.center, figures.diagonal, figures.unit);
+    if let Some(islands) = &parts.islands {
+        let name = |number: usize| format!("island {number} of {}", islands.count);
+        let mut text = worst(islands, &name, &place);
+        if islands.skipped > 0 {
+            text += &format!("; {} islands are too small to compare", islands.skipped);
+        }
+        table.row(["worst UV island".into(), text]);
+    }
+    if let Some(materials) = &parts.materials {
+        let name = |number: usize| parts.material_names.get(number).cloned().unwrap_or_default();
+        table.row(["worst material".into(), worst(materials, &name, &place)]);
+    }
+}
+
+fn worst(
+    regions: &WorstRegions,
+    name: &dyn Fn(usize) -> String,
+    place: &dyn Fn(&Region) -> String,
+) -> String {
+    let words = |(region, before, after): (&Option<Region>, &str, &str)| {
+        let region = region.as_ref()?;
+        let Region { number, mean, share, .. } = region;
+        let (name, share, place) = (name(*number), share * 100.0, place(region));
+        Some(format!("{before}{mean:.2}{after} on {name} ({share:.2} % of the area) around {place}"))
+    };
+    let found = [(&regions.angle, "", "°"), (&regions.color, "ΔE ", "")];
+    let found: Vec<String> = found.into_iter().filter_map(words).collect();
+    if found.is_empty() { "could not be measured".into() } else { found.join("; ") }
+}
+
+/// Adds the shares of the surface beyond the usual limits.
+fn beyond(beyond: &Beyond, table: &mut Table) {
+    let curves = [
+        (&beyond.angle, 5.0, "beyond 5°"),
+        (&beyond.angle, 10.0, "beyond 10°"),
+        (&beyond.color, 3.0, "beyond ΔE 3"),
+    ];
+    let shares: Vec<String> = curves
+        .into_iter()
+        .filter_map(|(curve, limit, words)| {
+            let share = curve.as_ref()?.beyond(limit);
+            let [low, high] = share.interval.map(|bound| bound * 100.0);
+            Some(format!("{:.2} % {words} ({low:.2} to {high:.2})", share.value * 100.0))
+        })
+        .collect();
+    if !shares.is_empty() {
+        table.row(["share of the surface".into(), shares.join("; ")]);
+    }
+}
+
 fn on_surface(level: &LevelFigures, bake: Option<&BakeFigures>, table: &mut Table) {
     if let Some(angles) = &level.surface_angles {
-        table.row(["normal error on the surface".into(), summary::text(angles, 3, "°")]);
+        table.row(["normal error on the surface".into(), summary_text(angles, 3, "°")]);
     }
     if let Some([floor, _]) = bake.and_then(|bake| bake.floor_8_bit) {
         table.row([String::new(), format!("8-bit storage of normals accounts for {floor}° on average")]);
@@ -147,7 +248,7 @@ fn material(figures: &MaterialFigures, table: &mut Table) {
         table.row(["material not finite".into(), format!("at {part} of the points, which are not compared")]);
     }
     let Some(color) = &figures.color else { return };
-    table.row(["colour error on the surface (ΔE00)".into(), summary::text(color, 2, "")]);
+    table.row(["colour error on the surface (ΔE00)".into(), summary_text(color, 2, "")]);
     let mean = |(name, of): (&str, Option<Summary>)| Some(format!("{name} {:.4}", of?.mean));
     let means: Vec<String> = figures.numbers().into_iter().filter_map(mean).collect();
     table.row(["material error".into(), format!("means: {}", means.join(", "))]);

@@ -1,21 +1,99 @@
-//! `taotie batch`: a whole collection.
+//! `taotie batch`: a whole collection: its work, the check of its files, and its books if others start the processes.
 
-mod args;
-mod book;
-mod check;
-mod listener;
 mod worker;
 
-pub use args::BatchArgs;
-pub use book::{BOOK, run as keep};
 pub use worker::{WORKER, run as work};
 
-use crate::{Outcome, console, stop};
-use anyhow::Result;
-use listener::Listener;
+use crate::console::{self, Bar};
+use crate::{Outcome, options, stop};
+use anyhow::{Context, Result, bail};
+use clap::Args;
 use serde_json::json;
+use std::io::{self, BufRead};
 use std::path::PathBuf;
-use taotie_batch::{Collection, State, Summary, drive, write_page};
+use std::time::Duration;
+use taotie::Bytes;
+use taotie_batch::{
+    Audit, AuditOptions, Collection, DriveOptions, Event, Fault, Record, Remote, Shard, State, Summary, Told,
+    audit, drive, duration, write_page,
+};
+
+const EXAMPLES: &str = "\
+Examples:
+  taotie batch collection.toml
+  taotie batch collection.toml --retry-failed --time-limit 30m
+  taotie batch collection.toml --shard 3/8
+  taotie batch collection.toml --check --proofs 5
+
+collection.toml specifies the scans and what to make from them: docs/collections.md. Finished assets are not made \
+again, so an interrupted run continues where it stopped. Exit codes: 0 all done, 1 a requirement is not met, 2 an \
+asset failed or was refused.";
+
+/// Bakes a whole collection: each scan in its own process, and nothing twice.
+#[derive(Args)]
+#[command(before_help = EXAMPLES)]
+pub struct BatchArgs {
+    /// The collection's file
+    pub collection: PathBuf,
+
+    /// Retry assets that failed or were refused before
+    #[arg(long, help_heading = "Work")]
+    pub retry_failed: bool,
+    /// Do only the I-th of N parts, for job arrays on a cluster: each writes its own manifest
+    #[arg(long, value_name = "I/N", value_parser = shard, help_heading = "Work")]
+    pub shard: Option<Shard>,
+    /// Bake nothing new: compare all written files with the manifest, and re-bake some assets
+    #[arg(long, conflicts_with_all = ["retry_failed", "shard", "page_only", "jobs", "time_limit", "memory_limit"], help_heading = "Work")]
+    pub check: bool,
+    /// With --check: the number of assets to re-bake; their files must be identical bit for bit
+    #[arg(long, value_name = "N", default_value_t = 2, requires = "check", help_heading = "Work")]
+    pub proofs: usize,
+    /// Bake nothing: write the collection's page with what is done
+    #[arg(long, conflicts_with_all = ["retry_failed", "shard"], help_heading = "Work")]
+    pub page_only: bool,
+
+    /// Maximum number of concurrent processes; fewer run if memory is short [default: one per hardware thread]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024), help_heading = "Running")]
+    pub jobs: Option<u32>,
+    /// Maximum memory of all processes together, such as 16G [default: the machine's free memory]
+    #[arg(long, value_name = "BYTES", value_parser = options::memory, help_heading = "Running")]
+    pub memory_limit: Option<Bytes>,
+    /// Maximum time per asset, such as 90s, 15m or 2h [default: many times the estimate from its size]
+    #[arg(long, value_name = "TIME", value_parser = duration, help_heading = "Running")]
+    pub time_limit: Option<Duration>,
+    /// Also read files that a model references outside its own folder
+    #[arg(long, help_heading = "Running")]
+    pub allow_outside: bool,
+    /// Print the outcome of the collection as JSON
+    #[arg(long, help_heading = "Running")]
+    pub json: bool,
+}
+
+fn shard(text: &str) -> Result<Shard, String> {
+    text.parse().map_err(|error: taotie_engine::Error| error.to_string())
+}
+
+impl BatchArgs {
+    /// Rejects invalid options, before any work is done.
+    fn check(&self) -> Result<()> {
+        match self.collection.extension() {
+            Some(extension) if extension.eq_ignore_ascii_case("toml") => Ok(()),
+            _ => bail!("{}: expected a collection as a .toml file", self.collection.display()),
+        }
+    }
+
+    /// Returns the options of the work.
+    fn options(&self) -> DriveOptions {
+        DriveOptions {
+            jobs: self.jobs.map(|jobs| jobs as usize),
+            memory: self.memory_limit,
+            time_limit: self.time_limit,
+            shard: self.shard,
+            retry_failed: self.retry_failed,
+            allow_outside: self.allow_outside,
+        }
+    }
+}
 
 /// Version of the JSON that `--json` prints.
 const SCHEMA: u32 = 1;
@@ -25,7 +103,7 @@ pub fn run(args: &BatchArgs) -> Result<Outcome> {
     args.check()?;
     let collection = Collection::read(&args.collection)?;
     if args.check {
-        return check::run(args, &collection);
+        return check(args, &collection);
     }
     let summary = match args.page_only {
         true => None,
@@ -86,4 +164,117 @@ fn print(args: &BatchArgs, summary: Option<&Summary>, pages: &[PathBuf]) -> Resu
 fn states_json(summary: &Summary) -> serde_json::Value {
     let count = |state: State| (state.name().to_owned(), json!(summary.states.get(&state).unwrap_or(&0)));
     State::ALL.into_iter().map(count).collect::<serde_json::Map<_, _>>().into()
+}
+
+/// Version of the JSON that `--check --json` prints.
+const AUDIT_SCHEMA: u32 = 1;
+
+/// Compares the written files with the manifest, for `--check`.
+fn check(args: &BatchArgs, collection: &Collection) -> Result<Outcome> {
+    let held = stop::hold();
+    let bar = Bar::new("check");
+    let options = AuditOptions { proofs: args.proofs };
+    let audit = audit(collection, &options, &worker::worker()?, &mut |fraction| {
+        bar.set(fraction);
+        !stop::is_ending()
+    });
+    drop(bar);
+    drop(held);
+    let audit = audit?;
+    print_audit(args, &audit)?;
+    Ok(if audit.faults.is_empty() { Outcome::Fine } else { Outcome::Different })
+}
+
+fn print_audit(args: &BatchArgs, audit: &Audit) -> Result<()> {
+    let Audit { assets, files, proofs, faults } = audit;
+    if args.json {
+        let fault = |fault: &Fault| json!({ "id": fault.id, "what": fault.what });
+        let report = json!({
+            "schema": AUDIT_SCHEMA,
+            "version": env!("CARGO_PKG_VERSION"),
+            "collection": console::name_of(&args.collection),
+            "assets": assets,
+            "files": files,
+            "proofs": proofs,
+            "faults": faults.iter().map(fault).collect::<Vec<_>>(),
+        });
+        return console::result(&serde_json::to_string_pretty(&report)?);
+    }
+    for Fault { id, what } in faults {
+        console::result(&format!("{id}: {what}"))?;
+    }
+    let count = faults.len();
+    console::result(&format!("{assets} assets: {files} files read, {proofs} re-baked, {count} faults"))
+}
+
+/// The subcommand of [`keep`]; not for users.
+pub const BOOK: &str = "batch-book";
+
+/// Keeps the books of a collection whose processes are started by others, such as `taotie.ray`: plan, manifest and
+/// page.
+///
+/// Prints a line for each job to do, then an empty one; reads a line for each finished job, and prints its state; at
+/// the end of stdin, writes the page and prints a summary. Every line is JSON.
+pub fn keep(args: &BatchArgs) -> Result<Outcome> {
+    args.check()?;
+    let collection = Collection::read(&args.collection)?;
+    let mut remote = Remote::open(&collection, &args.options(), args.jobs.unwrap_or(1) as usize)?;
+    for planned in &remote.planned {
+        console::result(&serde_json::to_string(planned)?)?;
+    }
+    console::result("")?;
+    for line in io::stdin().lock().lines() {
+        let ended: Told = serde_json::from_str(&line?).context("stdin: expected the end of a job")?;
+        let record = remote.add(ended)?;
+        console::result(
+            &json!({ "id": record.id, "state": record.state, "error": record.error }).to_string(),
+        )?;
+    }
+    let summary = remote.summary();
+    let pages = if args.shard.is_none() { write_page(&collection)? } else { Vec::new() };
+    let report = json!({
+        "states": states_json(&summary),
+        "attempts": summary.attempts,
+        "known": summary.known,
+        "files": pages.iter().map(|page| page.to_string_lossy()).collect::<Vec<_>>(),
+        "warnings": console::json_warnings(&summary.warnings),
+    });
+    console::result(&report.to_string())?;
+    Ok(outcome(&summary))
+}
+
+/// Shows the progress of a collection, and reports what was not made.
+#[derive(Default)]
+struct Listener {
+    bar: Option<Bar>,
+}
+
+impl Listener {
+    /// Handles an event.
+    fn hear(&mut self, event: Event<'_>) {
+        match event {
+            Event::Planned { todo, known } => {
+                console::say(&format!("taotie: {todo} assets to do, {known} from earlier runs"));
+                self.bar = (todo > 0).then(|| Bar::new(format!("{todo} assets")));
+            }
+            Event::Ended(record) => say_record(record),
+            Event::Running { fraction, left, .. } => {
+                if let Some(bar) = &self.bar {
+                    bar.show_all(fraction, left);
+                }
+            }
+        }
+    }
+}
+
+/// Reports why an asset was not made or does not meet a requirement.
+fn say_record(record: &Record) {
+    let name = console::plain(&record.id);
+    if let Some(error) = &record.error {
+        console::say(&format!("taotie: {name}: {}: {}", record.state.name(), console::plain(error)));
+    }
+    for met in record.required.iter().filter(|met| !met.met) {
+        let figure = met.name();
+        console::say(&format!("taotie: {name}: {}: {figure} {}", record.state.name(), met.text()));
+    }
 }

@@ -1,10 +1,8 @@
-//! The options of `taotie compare`.
+//! The options of `taotie compare`, and the notation of methods and sample points.
 
-use super::{method, points};
 use crate::options;
-use crate::studio::{
-    self, CameraArgs, FilmArgs, Framing, LightArgs, MaterialArgs, ReflectionArgs, RunningArgs,
-};
+use crate::running::RunningArgs;
+use crate::studio::{self, CameraArgs, FilmArgs, Framing, LightArgs, MaterialArgs, ReflectionArgs};
 use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
@@ -91,10 +89,10 @@ pub struct CompareArgs {
     /// the height of white from the material or --bump-scale, in model units; `bump:5` sets it to 5 texels of the
     /// map; `bump-printed:5` is the formula of Guo and Wang 2025 with its factor s = 5, which has no unit [default:
     /// smooth, bump, bump:5, bump:50, bump-printed:5, bump-printed:50, object-normal, tangent-normal]
-    #[arg(long = "method", value_name = "LIST", value_delimiter = ',', value_parser = method::parse)]
+    #[arg(long = "method", value_name = "LIST", value_delimiter = ',', value_parser = parse_method)]
     pub methods: Vec<Method>,
     /// Sample points whose normals are listed: their number, or pixels as X,Y;X,Y
-    #[arg(long, value_name = "N|PIXELS", value_parser = points::parse, default_value = "10")]
+    #[arg(long, value_name = "N|PIXELS", value_parser = parse_points, default_value = "10")]
     pub points: SamplePoints,
     /// How points of the reference correspond to points of the model: along the vertex normal, as in baking (normal),
     /// by UV, for meshes that share their UVs (uv), or at the same pixel (pixel)
@@ -238,4 +236,71 @@ fn each_once<T: Copy + PartialEq>(given: &[T]) -> Vec<T> {
         }
     }
     once
+}
+
+/// Parses a method: `NAME` or `NAME:FACTOR`.
+fn parse_method(value: &str) -> Result<Method, String> {
+    let (name, factor) = match value.split_once(':') {
+        Some((name, factor)) => (name, Some(options::number(factor)? as f32)),
+        None => (value, None),
+    };
+    let surface = options::named(name)?;
+    if factor.is_some() && !Method::takes_factor(surface) {
+        return Err(format!("`{name}` takes no factor; only bump and bump-printed do, such as bump:5"));
+    }
+    Ok(Method { surface, factor })
+}
+
+/// Maximum number of points: more would be a picture, not a table.
+const MOST_POINTS: usize = 1000;
+
+/// Parses sample points: `N`, or `X,Y;X,Y`.
+fn parse_points(value: &str) -> Result<SamplePoints, String> {
+    if let Ok(count) = value.trim().parse::<usize>() {
+        return match count {
+            0..=MOST_POINTS => Ok(SamplePoints::Spread(count)),
+            _ => Err(format!("at most {MOST_POINTS} points can be listed")),
+        };
+    }
+    let pixels: Result<Vec<_>, _> = value.split(';').map(pixel).collect();
+    pixels.map(SamplePoints::Pixels)
+}
+
+fn pixel(text: &str) -> Result<[u32; 2], String> {
+    let wrong =
+        || format!("`{text}` is not a pixel; give a number of points, or pixels such as 320,200;100,50");
+    let (x, y) = text.split_once(',').ok_or_else(wrong)?;
+    let number = |text: &str| text.trim().parse::<u32>().map_err(|_| wrong());
+    Ok([number(x)?, number(y)?])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_written_is_read_back() {
+        for method in Method::defaults() {
+            assert_eq!(parse_method(&method.id()), Ok(method));
+        }
+    }
+
+    #[test]
+    fn factors_belong_to_bump() {
+        assert!(parse_method("smooth:5").unwrap_err().contains("bump:5"));
+        assert!(parse_method("bump:high").unwrap_err().contains("high"));
+        assert!(parse_method("bmup").unwrap_err().contains("tangent-normal"));
+    }
+
+    #[test]
+    fn reads_counts_and_pixels() {
+        assert_eq!(parse_points("10"), Ok(SamplePoints::Spread(10)));
+        assert_eq!(parse_points("1,2; 3,4"), Ok(SamplePoints::Pixels(vec![[1, 2], [3, 4]])));
+        for written in ["10", "1,2;3,4"] {
+            assert_eq!(parse_points(written).unwrap().to_string(), written);
+        }
+        assert!(
+            parse_points("1,2;x").is_err() && parse_points("1001").is_err() && parse_points("-1").is_err()
+        );
+    }
 }

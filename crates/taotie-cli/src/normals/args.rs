@@ -1,8 +1,7 @@
 //! The options of `taotie normals`.
 
-use crate::limits::LimitArgs;
 use crate::options;
-use crate::running::RunArgs;
+use crate::running::{LimitArgs, RunArgs};
 use crate::studio::{Green, Space};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};

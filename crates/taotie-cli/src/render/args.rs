@@ -1,21 +1,21 @@
-//! The options of `taotie render`.
+//! The options of `taotie render`, with those of its integrator and device, and the file formats that they ask for.
 
-use super::device::Device;
-use super::formats::Formats;
-use super::integrator::IntegratorArgs;
 use super::plan::MotionArgs;
 use crate::options;
+use crate::running::RunningArgs;
 use crate::studio::{
-    self, CameraArgs, FilmArgs, Framing, LightArgs, MaterialArgs, ReflectionArgs, RunningArgs, SurfaceArgs,
+    self, CameraArgs, FilmArgs, Framing, LightArgs, MaterialArgs, ReflectionArgs, SurfaceArgs,
 };
 use anyhow::{Result, bail};
-use clap::Args;
-use std::path::PathBuf;
+use clap::{Args, ValueEnum};
+use serde_json::json;
+use std::path::{Path, PathBuf};
 use taotie_engine::Warnings;
-use taotie_engine::render::{Aovs, RenderSettings, SurfaceSettings};
+use taotie_engine::names::Named;
+use taotie_engine::render::{Aovs, NormalMapping, ReferenceSettings, RenderSettings, SurfaceSettings};
 use taotie_engine::scene::Scene;
 use taotie_engine::surface::SurfaceMethod;
-use taotie_io::{FileSet, ImageFormat};
+use taotie_io::{AnimationFormat, FileSet, ImageFormat};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -166,5 +166,151 @@ impl RenderArgs {
     /// Returns the part of the scene that must fit into the picture.
     pub fn framing(&self) -> Framing {
         Framing { size: self.size, all_around: self.motion.turntable.is_some() }
+    }
+}
+
+/// The choice of renderer, and its options.
+#[derive(Args)]
+#[command(next_help_heading = "Integrator")]
+pub struct IntegratorArgs {
+    /// Renderer
+    #[arg(long, value_enum, default_value_t = Integrator::Raster)]
+    pub integrator: Integrator,
+    /// Paths per pixel of `reference`; four times as many at least halve the noise [default: 64]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65536))]
+    pub spp: Option<u32>,
+    /// Reflections of light after the first one in `reference`; 0 is direct light only [default: 4]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=i64::from(ReferenceSettings::MOST_BOUNCES)))]
+    pub bounces: Option<u32>,
+    /// Seed of the noise of `reference` [default: 0]
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u32>,
+    /// Meaning of a mapped normal in `reference`: classic, or microfacet, a groove of two facets that conserves
+    /// energy and leaves no black pixels [default: classic]
+    #[arg(long, value_name = "HOW", value_parser = options::named::<NormalMapping>)]
+    pub normal_mapping: Option<NormalMapping>,
+}
+
+/// A renderer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Integrator {
+    /// Rasteriser: fast, direct light and environment
+    Raster,
+    /// Path tracer: slow, the reference, with shadows and interreflections
+    Reference,
+}
+
+impl IntegratorArgs {
+    /// Rejects options that the chosen integrator does not use.
+    fn check(&self, film: &FilmArgs, reflection: &ReflectionArgs) -> Result<()> {
+        match self.integrator {
+            Integrator::Raster => {
+                let given = [
+                    ("--spp", self.spp.is_some()),
+                    ("--bounces", self.bounces.is_some()),
+                    ("--seed", self.seed.is_some()),
+                    ("--normal-mapping", self.normal_mapping.is_some()),
+                ];
+                if let Some((option, _)) = given.iter().find(|(_, given)| *given) {
+                    bail!(
+                        "{option}: the rasteriser traces no paths; add --integrator reference or leave it out"
+                    );
+                }
+            }
+            Integrator::Reference if film.samples.is_some() => {
+                bail!("--samples: --integrator reference takes the number of paths per pixel from --spp N");
+            }
+            Integrator::Reference if reflection.specular_aa.is_some() => {
+                bail!("--specular-aa: --integrator reference averages many paths instead; leave it out");
+            }
+            Integrator::Reference => {}
+        }
+        Ok(())
+    }
+
+    /// Returns the settings of the path tracer, or `None` for the rasteriser.
+    pub fn reference(&self) -> Option<ReferenceSettings> {
+        let default = ReferenceSettings::default();
+        (self.integrator == Integrator::Reference).then(|| ReferenceSettings {
+            spp: self.spp.unwrap_or(default.spp),
+            bounces: self.bounces.unwrap_or(default.bounces),
+            seed: self.seed.unwrap_or(default.seed),
+            normal_mapping: self.normal_mapping.unwrap_or(default.normal_mapping),
+            ..default
+        })
+    }
+
+    /// Returns the choice as JSON for reports.
+    pub fn json(&self) -> serde_json::Value {
+        match self.reference() {
+            None => json!({ "name": "raster" }),
+            Some(reference) => json!({
+                "name": "reference",
+                "spp": reference.spp,
+                "bounces": reference.bounces,
+                "seed": reference.seed,
+                "normal_mapping": reference.normal_mapping.name(),
+            }),
+        }
+    }
+}
+
+/// A kind of device, by its name on the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Device {
+    /// CPU: the same bits on every machine
+    Cpu,
+    /// GPU, or a software implementation such as Mesa's lavapipe: nearly the same image, whose last digits depend on
+    /// card and driver
+    Gpu,
+    /// GPU if there is one, otherwise CPU, which also renders for --aov and --integrator reference
+    Auto,
+}
+
+impl Device {
+    /// Rejects options that a GPU does not support.
+    fn check(self, integrator: &IntegratorArgs, aovs: &[String]) -> Result<()> {
+        if self != Self::Gpu {
+            return Ok(());
+        }
+        if integrator.reference().is_some() {
+            bail!("--device gpu: the reference integrator runs on the CPU; leave out --integrator reference");
+        }
+        if !aovs.is_empty() {
+            bail!("--device gpu: output variables are computed on the CPU; leave out --aov");
+        }
+        Ok(())
+    }
+}
+
+/// The file formats of the pictures of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Formats {
+    /// The format of each picture.
+    pub still: ImageFormat,
+    /// The format of the animation, if there are several pictures and the format supports one.
+    pub moving: Option<AnimationFormat>,
+}
+
+impl Formats {
+    /// Chooses the formats by the extension of the output, the bits per channel of a PNG, and whether there are
+    /// several pictures.
+    fn of(output: &Path, bits: Option<&str>, several: bool) -> Result<Self> {
+        let extension = output.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+        let png = if bits == Some("16") { ImageFormat::Png16 } else { ImageFormat::Png8 };
+        let (still, moving) = match extension.as_str() {
+            "png" => (png, Some(AnimationFormat::Png)),
+            "gif" => (png, Some(AnimationFormat::Gif)),
+            "exr" => (ImageFormat::Exr, None),
+            _ => bail!(
+                "{}: pictures are written as .png or .exr, animations as .png or .gif",
+                output.display()
+            ),
+        };
+        if !several && moving == Some(AnimationFormat::Gif) {
+            let path = output.display();
+            bail!("{path}: a .gif holds an animation; add --turntable, --frames or --fps, or write a .png");
+        }
+        Ok(Self { still, moving: moving.filter(|_| several) })
     }
 }

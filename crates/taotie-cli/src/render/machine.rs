@@ -1,7 +1,6 @@
 //! An available device, and renderers for it.
 
-use super::RenderArgs;
-use super::device::Device;
+use super::args::{Device, RenderArgs};
 use crate::console;
 use anyhow::Result;
 #[cfg(not(feature = "gpu"))]

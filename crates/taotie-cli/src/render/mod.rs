@@ -1,14 +1,10 @@
 //! `taotie render`: renders a model to a picture or an animation.
 
 mod args;
-mod device;
-mod formats;
-mod integrator;
 mod machine;
 mod output;
 mod plan;
 mod sequence;
-mod watch;
 
 pub use args::RenderArgs;
 
@@ -16,15 +12,14 @@ use crate::studio::{self, Motion};
 use crate::{console, stop};
 use anyhow::Result;
 use machine::Machine;
-use sequence::{Setting, Shooting};
+use sequence::{Setting, Shooting, Watch};
 use serde_json::json;
 use std::path::PathBuf;
-use taotie::asset::Bytes;
+use taotie::Bytes;
 use taotie_engine::Warnings;
 use taotie_engine::names::Named;
 use taotie_engine::render::{image_bytes, pixel_bytes};
 use taotie_io::FileSet;
-use watch::Watch;
 
 /// Version of the JSON that `--json` prints.
 const SCHEMA: u32 = 4;

@@ -1,13 +1,13 @@
-//! The pictures of a run, one after another.
+//! The pictures of a run, one after another, and the time of each stage.
 
-use super::formats::Formats;
+use super::args::{Formats, RenderArgs};
 use super::machine::{Drawer, Machine};
-use super::watch::Watch;
-use super::{RenderArgs, output};
+use super::output;
 use crate::console::Bar;
 use crate::studio::{self, Motion, Viewpoint};
 use anyhow::{Context, Result};
 use std::path::PathBuf;
+use std::time::Instant;
 use taotie::studio::{CameraParameters, LightParameters, Sequence, SequenceFrame};
 use taotie_engine::film::{self, Development};
 use taotie_engine::image::{Image, Texels};
@@ -228,4 +228,29 @@ struct Stage<'a> {
     drawer: Drawer<'a>,
     viewpoint: &'a Viewpoint,
     bar: &'a Bar,
+}
+
+/// Accumulates the time of each stage.
+pub struct Watch {
+    last: Instant,
+    /// Stage and seconds.
+    pub laps: Vec<(&'static str, f64)>,
+}
+
+impl Watch {
+    /// Starts measuring.
+    pub fn new() -> Self {
+        Self { last: Instant::now(), laps: Vec::new() }
+    }
+
+    /// Adds the time since the last lap to a stage.
+    pub fn lap(&mut self, stage: &'static str) {
+        let now = Instant::now();
+        let seconds = now.duration_since(self.last).as_secs_f64();
+        self.last = now;
+        match self.laps.iter_mut().find(|(known, _)| *known == stage) {
+            Some((_, total)) => *total += seconds,
+            None => self.laps.push((stage, seconds)),
+        }
+    }
 }

@@ -2,26 +2,21 @@
 
 mod args;
 mod description;
-mod file;
-mod names;
+mod files;
 mod page;
 mod subject;
-mod tables;
-mod target;
-mod values;
 
 pub use args::ShaderArgs;
 
 use crate::{console, stop};
 use anyhow::{Context, Result};
+use args::Target;
 use description::Description;
-use file::NamedFile;
-use names::Names;
+use files::{NamedFile, Names};
 use serde_json::json;
 use subject::{Drawn, Model, plain};
 use taotie_engine::Warnings;
 use taotie_io::FileSet;
-use target::Target;
 
 /// Version of the JSON that `--json` prints.
 const SCHEMA: u32 = 1;
@@ -90,7 +85,7 @@ impl Bundle {
 
     fn add_tables(&mut self) {
         if self.shaders.iter().any(|shader| shader.tables.is_some()) {
-            self.files.push(tables::file());
+            self.files.push(files::tables_file());
         }
     }
 
@@ -105,7 +100,7 @@ impl Bundle {
         let limits = args.limits.limits();
         let light = args.environment().load_within(&limits, &mut self.warnings).context("--env")?;
         let Some(light) = light else { return Ok(()) };
-        let (description, files) = tables::environment(&light);
+        let (description, files) = files::environment(&light);
         for shader in self.shaders.iter_mut().filter(|shader| shader.reads_environment()) {
             shader.environment = Some(description.clone());
         }

@@ -1,9 +1,8 @@
 //! The page that explains how to bind shaders.
 
-use super::ShaderArgs;
-use super::description::Description;
-use super::target::Target;
-use super::values::SurfaceValues;
+use super::args::{ShaderArgs, Target};
+use super::description::{Description, SurfaceValues};
+use super::files::TABLES;
 use taotie_engine::names::Named;
 use taotie_report::{Cell, Column, Fact, Page, Section};
 use taotie_shader::{BufferSlot, TextureSlot, UniformField, ValueKind};
@@ -120,7 +119,7 @@ fn content(name: &str) -> &'static str {
         "wgsl" | "hlsl" | "metal" | "spv" => "both shaders",
         "json" => "the bindings, and a model's values",
         "js" => "makes three.js materials",
-        _ if name == super::tables::TABLES => "the tables of directional albedos",
+        _ if name == TABLES => "the tables of directional albedos",
         _ => "the environment as textures",
     }
 }

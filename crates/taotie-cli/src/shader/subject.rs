@@ -1,7 +1,7 @@
 //! The surfaces that shaders are written for: those of a model, or a plain one.
 
 use super::ShaderArgs;
-use crate::choice;
+use crate::options;
 use anyhow::{Context, Result, anyhow, bail};
 use std::path::Path;
 use taotie_engine::Warnings;
@@ -35,7 +35,7 @@ pub struct Model {
 impl Model {
     /// Reads a model and prepares it as `taotie render` does.
     pub fn load(args: &ShaderArgs, path: &Path, files: &FileSet, warnings: &mut Warnings) -> Result<Self> {
-        let loaded = taotie::studio::load_within(path, &args.materials(), &args.limits.limits())?;
+        let loaded = taotie::studio::load(path, &args.materials(), &args.limits.limits())?;
         files.protect(&loaded.files)?;
         warnings.absorb(loaded.warnings);
         let lifted = loaded.scene.materials().iter().any(|material| material.height.is_some());
@@ -103,7 +103,7 @@ impl Model {
     fn choose(&self, asked: &str, path: &Path) -> Result<usize> {
         let names: Vec<&str> =
             self.scene().materials().iter().map(|material| material.name.as_str()).collect();
-        let chosen = choice::chosen(asked, ["material", "materials"], &names);
+        let chosen = options::chosen(asked, ["material", "materials"], &names);
         chosen.map_err(|why| anyhow!("{}: {why}", path.display()))
     }
 }

@@ -1,31 +1,29 @@
 //! How a model is shown, as options of the command: its material, its light, the viewpoint, and the development of
 //! the picture. Shared by the subcommands that render a user's model; [`taotie::studio`] does the work.
 
-mod args;
-mod surface_args;
-mod unread;
-mod viewpoint;
+mod camera;
+mod light;
+mod surface;
 
-pub use args::{CameraArgs, FilmArgs, LightArgs, RunningArgs};
-pub use surface_args::{Green, MaterialArgs, ReflectionArgs, Space, SurfaceArgs};
+pub use camera::{CameraArgs, FilmArgs, Viewpoint};
+pub use light::{LightArgs, lighting};
+pub use surface::{Green, MaterialArgs, ReflectionArgs, Space, SurfaceArgs};
 pub use taotie::studio::{Framing, Motion};
-pub use viewpoint::Viewpoint;
 
 use anyhow::{Result, anyhow};
 use std::path::{Path, PathBuf};
-use taotie::asset::Limits;
-use taotie::studio::{MaterialFile, View};
-use taotie_engine::render::{EnvironmentLight, Lighting};
+use taotie::Limits;
+use taotie::studio::MaterialFile;
 use taotie_engine::scene::Scene;
 use taotie_io::Loaded;
 
 /// Reads a model, selects the requested variant, and applies the options to its materials. `height_scale` is the
 /// height of white in model units, if given.
 pub fn load(path: &Path, args: &MaterialArgs, height_scale: Option<f64>, limits: &Limits) -> Result<Loaded> {
-    let loaded = taotie::studio::load_within(path, &args.options(height_scale), limits);
+    let loaded = taotie::studio::load(path, &args.options(height_scale), limits);
     let mut loaded = loaded.map_err(|error| of_material(args.material.as_deref(), error))?;
     let Loaded { scene, warnings, .. } = &mut loaded;
-    unread::note(args, height_scale, scene, warnings);
+    surface::note_unread(args, height_scale, scene, warnings);
     Ok(loaded)
 }
 
@@ -50,14 +48,4 @@ fn of_material(choice: Option<&str>, error: taotie_engine::Error) -> anyhow::Err
         }
         (_, error) => error.into(),
     }
-}
-
-/// Returns the light on a scene in this view.
-pub fn lighting(
-    args: &LightArgs,
-    environment: Option<&EnvironmentLight>,
-    scene: &Scene,
-    view: View<'_>,
-) -> Result<Lighting> {
-    Ok(args.options()?.lighting(environment, scene, view))
 }

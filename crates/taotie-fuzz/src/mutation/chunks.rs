@@ -1,4 +1,5 @@
-//! Changes of chunks: those of PNG, RIFF (WebP) and GLB.
+//! Changes of chunks: those of PNG, RIFF (WebP) and GLB; and the repair of lengths and checksums after a change, so
+//! that readers look further.
 
 use fastrand::Rng;
 use serde::{Deserialize, Serialize};
@@ -75,11 +76,11 @@ impl ChunkChange {
 }
 
 /// The signature of PNG.
-pub const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
+const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
 
 /// Returns the ranges of a file's chunks, headers and checksums included; none for other formats. The last may be cut
 /// off.
-pub fn chunks(bytes: &[u8]) -> Vec<Range<usize>> {
+fn chunks(bytes: &[u8]) -> Vec<Range<usize>> {
     if bytes.starts_with(PNG) {
         return walk(bytes, PNG.len(), |head| {
             12 + u32::from_be_bytes([head[0], head[1], head[2], head[3]]) as usize
@@ -107,6 +108,34 @@ fn walk(bytes: &[u8], begin: usize, length: impl Fn([u8; 8]) -> usize) -> Vec<Ra
     found
 }
 
+/// The signature of cached environments, and the offsets of their checksum and of the data it covers.
+const ENVIRONMENT: &[u8] = b"taotie\0E";
+const SUM: usize = 12;
+const SUMMED: usize = 16;
+
+/// Returns `true` if [`repair`] supports the container.
+pub fn is_container(bytes: &[u8]) -> bool {
+    [PNG, b"RIFF", b"glTF", ENVIRONMENT].iter().any(|signature| bytes.starts_with(signature))
+}
+
+/// Corrects the checksums of PNG chunks and of cached environments, and the length field of GLB and RIFF.
+pub fn repair(bytes: &mut [u8]) {
+    let length = bytes.len();
+    if bytes.starts_with(PNG) {
+        for chunk in chunks(bytes).into_iter().filter(|chunk| chunk.len() >= 12) {
+            let sum = crc32fast::hash(&bytes[chunk.start + 4..chunk.end - 4]);
+            bytes[chunk.end - 4..chunk.end].copy_from_slice(&sum.to_be_bytes());
+        }
+    } else if bytes.starts_with(b"RIFF") && length >= 8 {
+        bytes[4..8].copy_from_slice(&((length - 8) as u32).to_le_bytes());
+    } else if bytes.starts_with(b"glTF") && length >= 12 {
+        bytes[8..12].copy_from_slice(&(length as u32).to_le_bytes());
+    } else if bytes.starts_with(ENVIRONMENT) && length >= SUMMED {
+        let sum = crc32fast::hash(&bytes[SUMMED..]);
+        bytes[SUM..SUMMED].copy_from_slice(&sum.to_le_bytes());
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -126,5 +155,19 @@ mod tests {
         let word = changed(ChunkChange::Word { chunk: 1, at: 0, value: 0x0102_0304 });
         assert_eq!(word[21..25], [1, 2, 3, 4]);
         assert!(chunks(b"v 0 0 0").is_empty());
+    }
+
+    /// The empty chunk at the end of every PNG, whose checksum is known.
+    #[test]
+    fn sums_and_lengths_are_right_afterwards() {
+        let mut png = [PNG, b"\0\0\0\0IEND\0\0\0\0"].concat();
+        repair(&mut png);
+        assert_eq!(png[16..], [0xae, 0x42, 0x60, 0x82]);
+        let mut glb = b"glTF\x02\0\0\0\xff\xff\xff\xff".to_vec();
+        repair(&mut glb);
+        assert_eq!(glb[8..], [12, 0, 0, 0]);
+        let mut riff = b"RIFF\0\0\0\0WEBP".to_vec();
+        repair(&mut riff);
+        assert_eq!(riff[4..8], [4, 0, 0, 0]);
     }
 }

@@ -4,10 +4,8 @@
 
 mod bytes;
 mod chunks;
-mod document;
 mod json;
 mod lines;
-mod repair;
 
 use bytes::ByteChange;
 use chunks::ChunkChange;
@@ -43,7 +41,7 @@ impl Mutation {
             Self::Json(change) => change.apply(bytes),
             Self::Chunks(change) => change.apply(bytes),
             Self::Lines(change) => change.apply(bytes),
-            Self::Mend => repair::repair(bytes),
+            Self::Mend => chunks::repair(bytes),
         }
     }
 
@@ -74,7 +72,7 @@ pub fn choose(rng: &mut Rng, sound: &[u8]) -> Vec<Mutation> {
         mutation.apply(&mut bytes);
         chosen.push(mutation);
     }
-    if repair::is_container(sound) && rng.u8(..4) > 0 {
+    if chunks::is_container(sound) && rng.u8(..4) > 0 {
         chosen.push(Mutation::Mend);
     }
     chosen

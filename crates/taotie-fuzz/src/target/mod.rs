@@ -1,16 +1,13 @@
 //! The targets: every reader, and the paths behind them.
 
-mod bake;
-mod promises;
+mod paths;
 mod read;
-mod render;
-mod subject;
 
-pub use subject::Subject;
+pub use read::Subject;
 
 use crate::corpus::Seed;
 use clap::ValueEnum;
-use promises::Held;
+use read::Held;
 use serde::{Deserialize, Serialize};
 
 /// A reader, or a path that starts with one.
@@ -93,8 +90,8 @@ impl Target {
             Self::Provenance => read::provenance(subject.path),
             Self::Options => read::options(subject.bytes),
             Self::Light => read::lights(subject.bytes),
-            Self::Bake => bake::bake(subject),
-            Self::Render => render::render(subject),
+            Self::Bake => paths::bake(subject),
+            Self::Render => paths::render(subject),
         }
     }
 }

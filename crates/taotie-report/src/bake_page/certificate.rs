@@ -332,7 +332,7 @@ mod tests {
         };
         let mut figures = Figures::default();
         figures.levels = [0.0, 0.02, 0.01].map(level).to_vec();
-        let required = figures.require(&[Requirement::missed(0.001), Requirement::missed(0.5)]);
+        let required = figures.evaluate(&[Requirement::missed(0.001), Requirement::missed(0.5)]);
         let [strict, mild] = worst(&required)[..] else { panic!("two limits") };
         assert_eq!((strict.met, strict.level), (false, Some(1)));
         assert_eq!((mild.met, mild.most), (true, 0.5));
@@ -344,7 +344,7 @@ mod tests {
         let mut figures = Figures::default();
         figures.levels = vec![LevelFigures::default(); 2];
         let within = |limit: f64| Requirement::within(Figure::WithinAngle, limit, 0.99);
-        let required = figures.require(&[within(5.0), within(10.0)]);
+        let required = figures.evaluate(&[within(5.0), within(10.0)]);
         let titles = worst(&required).into_iter().map(|met| row_of_requirement(met, false)[0].clone());
         let wanted = ["surface within a normal error of 5°", "surface within a normal error of 10°"];
         assert_eq!(titles.collect::<Vec<_>>(), wanted.map(Cell::text));

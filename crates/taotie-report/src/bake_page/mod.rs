@@ -2,7 +2,8 @@
 //!
 //! ```no_run
 //! use std::path::Path;
-//! use taotie::asset::{BakeOptions, Baker, Certificate, Limits, Packing, Report, Scan, Signature, VerifyOptions};
+//! use taotie::asset::{BakeOptions, Baker, Certificate, Packing, Report, Scan, Signature, VerifyOptions};
+//! use taotie::Limits;
 //! use taotie::Progress;
 //!
 //! let quiet = Progress::SILENT;
@@ -19,26 +20,20 @@
 //! # Ok::<(), taotie_engine::Error>(())
 //! ```
 
+mod breakdown;
 mod certificate;
-mod levels;
-mod material;
-mod misses;
-mod normal_errors;
-mod notices;
-mod parts;
-mod patches;
 mod sections;
 mod trials;
 mod views;
-mod worst;
 
 pub use trials::trials_csv;
 
-use crate::Page;
 use crate::viewer::{AssetSubject, MeasuredErrors};
+use crate::{Notice, Page, Section, Tone};
 use certificate::Judge;
 use std::path::Path;
-use taotie::asset::{Asset, Limits, Proof, Report, VerifyOptions};
+use taotie::asset::{Asset, Proof, Report, VerifyOptions};
+use taotie::{Limits, Warning};
 use taotie_engine::{Result, Warnings};
 
 /// The side of the pictures of the worst patches, pixels.
@@ -75,7 +70,7 @@ fn of(report: &Report, proof: &Proof, (asset, judge): (Option<&Asset>, Judge)) -
     let mut sections = sections::sections(report, (&proof.figures, &proof.part_flips));
     sections.splice(0..0, trials::plot(report));
     sections.extend(report.certificate.as_ref().and_then(certificate::further_files));
-    sections.extend(notices::section(report, proof));
+    sections.extend(warnings(report, proof));
     let is_packed = report.trials.iter().any(|trial| trial.is_chosen && trial.is_scan);
     Ok(Page {
         title: report.high.clone(),
@@ -85,8 +80,8 @@ fn of(report: &Report, proof: &Proof, (asset, judge): (Option<&Asset>, Judge)) -
             None => "The scan and an asset that represents it".into(),
         },
         statement: report.certificate.as_ref().map(|own| certificate::statement(own, judge)),
-        features: patches::features(proof)?,
-        views: views::views(proof, asset)?.into_iter().chain(levels::worst_views(proof)?).collect(),
+        features: views::worst_patches(proof)?,
+        views: views::views(proof, asset)?.into_iter().chain(views::worst_views(proof)?).collect(),
         sections,
         footer: format!(
             "Made by taotie {}. All figures are in the .json file next to this page.",
@@ -94,6 +89,38 @@ fn of(report: &Report, proof: &Proof, (asset, judge): (Option<&Asset>, Judge)) -
         ),
         ..Page::default()
     })
+}
+
+/// Builds the section of all distinct warnings: first those of the proof, then those about the files and the bake.
+/// `None` if there are none.
+fn warnings(report: &Report, proof: &Proof) -> Option<Section> {
+    let found = proof.warnings.list();
+    let (first, others): (Vec<&Warning>, Vec<&Warning>) =
+        report.warnings.iter().partition(|warning| found.iter().any(|found| found.what == warning.what));
+    let mut notices: Vec<Notice> = Vec::new();
+    for (warning, tone) in with_tone(first, Tone::Bad).chain(with_tone(others, Tone::Changed)) {
+        let notice = Notice::new(text_of_warning(warning), tone);
+        if notices.iter().all(|known| known.text != notice.text) {
+            notices.push(notice);
+        }
+    }
+    (!notices.is_empty()).then(|| Section::Notices {
+        title: "Warnings".into(),
+        note: "Findings of the proof come first, then problems in the files and changes made to fix them."
+            .into(),
+        notices,
+    })
+}
+
+fn with_tone(warnings: Vec<&Warning>, tone: Tone) -> impl Iterator<Item = (&Warning, Tone)> {
+    warnings.into_iter().map(move |warning| (warning, tone))
+}
+
+fn text_of_warning(warning: &Warning) -> String {
+    match warning.count {
+        1 => warning.what.clone(),
+        count => format!("{} ({count} times)", warning.what),
+    }
 }
 
 /// Writes the page for a bake as one HTML document whose first view is the asset at `path`, drawn by the shaders of

@@ -1,10 +1,10 @@
 //! The tables, histogram and texts of a proof page.
 
-use super::{levels, material, parts, worst};
-use crate::summary::figures;
+use super::breakdown;
+use crate::table::figures;
 use crate::{Cell, Column, Section, Series, Tone};
 use taotie::asset::{
-    BIN_WIDTH, BakeFigures, FigureUnit, Figures, LevelFigures, PartFlip, Report, RequirementOutcome,
+    BakeFigures, FigureUnit, Figures, LevelFigures, MaterialFigures, PartFlip, Report, RequirementOutcome,
     StageTime, ViewFigures,
 };
 use taotie_engine::compare::Summary;
@@ -19,14 +19,14 @@ pub fn sections(report: &Report, (proof, flips): (&Figures, &[PartFlip])) -> Vec
     }
     if let Some(finest) = proof.finest() {
         sections.push(as_seen(finest));
-        sections.extend(worst::parts(proof, &finest.worst_parts, flips));
-        sections.extend(worst::beyond(&finest.beyond));
+        sections.extend(breakdown::worst_parts(proof, &finest.worst_parts, flips));
+        sections.extend(breakdown::beyond(&finest.beyond));
         sections.extend([shape(finest, proof.unit), on_surface(report, finest), histogram(finest)]);
-        sections.extend(material::section(&finest.material));
-        sections.extend(parts::table(&proof.parts));
+        sections.extend(color_and_material(&finest.material));
+        sections.extend(breakdown::materials(&proof.parts));
         sections.push(views(finest));
     }
-    sections.extend(levels::table(&proof.levels));
+    sections.extend(breakdown::levels(&proof.levels));
     sections.extend(report.bake.as_ref().map(|bake| rays(report, bake)));
     if !report.stages.is_empty() {
         sections.push(stages(report));
@@ -152,10 +152,41 @@ fn histogram(level: &LevelFigures) -> Section {
         title: "Histogram of normal error on the surface".into(),
         note: "Number of points by normal error; the last bin includes all larger errors.".into(),
         unit: "°".into(),
-        bin_width: BIN_WIDTH,
+        bin_width: LevelFigures::BIN_WIDTH,
         last_is_open: true,
         series: vec![Series { label: "asset".into(), counts: level.histogram.clone() }],
     }
+}
+
+/// Builds the table of all differences between the materials; `None` if nothing was compared.
+fn color_and_material(material: &MaterialFigures) -> Option<Section> {
+    if material.color.is_none() && material.not_finite == 0.0 {
+        return None;
+    }
+    let color = [("colour (CIEDE2000)", material.color)];
+    Some(Section::Table {
+        title: "Colour and material error on the surface".into(),
+        note: note_of_material(material),
+        columns: quantiles("figure"),
+        rows: color
+            .into_iter()
+            .chain(material.numbers())
+            .filter_map(|(name, summary)| row_of_summary(name, summary.as_ref()))
+            .collect(),
+    })
+}
+
+fn note_of_material(material: &MaterialFigures) -> String {
+    let note = "Differences between the materials of asset and scan, at the points where normal errors are measured. \
+                A CIEDE2000 difference of about 1 is just visible between adjacent colours. Baked roughness also \
+                includes relief finer than a texel, which is counted as a difference here.";
+    let part = material.not_finite * 100.0;
+    if part == 0.0 {
+        return note.into();
+    }
+    format!(
+        "{note} At {part:.4} % of the points a value is not finite; such values are excluded from all figures."
+    )
 }
 
 /// Builds the row for a number with its unit.
@@ -286,7 +317,7 @@ mod tests {
     #[test]
     fn requirements_are_shown_in_their_unit() {
         let figures = missing(0.02);
-        let row = |requirement| row_of_requirement(&figures.require(&[requirement])[0]);
+        let row = |requirement| row_of_requirement(&figures.evaluate(&[requirement])[0]);
         let missed = row(Requirement::missed(0.001));
         let wanted = [Cell::text("missed"), Cell::text("0"), Cell::number(2.0, 4), Cell::number(0.1, 4)];
         assert_eq!((&missed[..4], &missed[4]), (&wanted[..], &Cell::text("%")));
@@ -297,7 +328,7 @@ mod tests {
     #[test]
     fn a_value_that_is_too_large_looks_larger() {
         let figures = missing(0.001_234_12);
-        let row = |most| row_of_requirement(&figures.require(&[Requirement::missed(most)])[0]);
+        let row = |most| row_of_requirement(&figures.evaluate(&[Requirement::missed(most)])[0]);
         let shown = |most| {
             let row = row(most);
             let [
@@ -315,5 +346,14 @@ mod tests {
         assert_eq!(shown(0.001_234_2), ["0.1234", "0.1234"], "the limit is met");
         let [value, most] = shown(f64::from_bits(0.001_234_12f64.to_bits() - 1));
         assert_ne!(value, most);
+    }
+
+    #[test]
+    fn values_that_are_not_finite_are_reported() {
+        let mut material = MaterialFigures::default();
+        assert!(color_and_material(&material).is_none());
+        material.not_finite = 0.25;
+        let Some(Section::Table { note, .. }) = color_and_material(&material) else { panic!("no table") };
+        assert!(note.contains("At 25.0000 % of the points"), "{note}");
     }
 }

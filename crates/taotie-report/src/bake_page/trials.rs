@@ -1,6 +1,6 @@
 //! The trials of a search: a plot of bytes against degrees, and all numbers as CSV.
 
-use crate::csv::{Csv, number};
+use crate::table::{Csv, number};
 use crate::{Axis, PlotPoint, PointSeries, Section};
 use taotie::asset::{Report, Trial};
 use taotie_io::VertexBits;

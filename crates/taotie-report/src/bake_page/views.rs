@@ -1,42 +1,122 @@
-//! The pictures of a proof: scan and asset from all directions, the maps, and the missed rays.
+//! The pictures of a proof: the worst patches, scan and asset from all directions and at each level of detail, and
+//! the maps with errors, lost detail and missed rays.
 
-use super::material;
-use super::misses::misses;
 use crate::heat_map::HeatMap;
-use crate::sheet::Sheet;
+use crate::sheet::{GROUND, Sheet};
 use crate::{Legend, Picture, View};
-use taotie::asset::{Asset, Proof, Textures, Views};
+use taotie::asset::{Asset, Figures, Misses, PatchPictures, Proof, Textures, Views};
 use taotie_engine::Result;
+use taotie_engine::bake::TexelStatus;
 use taotie_engine::compare::{ColorMap, Field};
+use taotie_engine::length::place_text;
 use taotie_engine::names::Named;
+use taotie_engine::proof::PatchQuantity;
 
 /// The side of the pictures of maps, pixels; for several materials, of all of them together.
 const MAP: usize = 512;
 /// The minimum side of the picture of a map if there are many materials, pixels.
 const LEAST_MAP: usize = 128;
 /// The angle at the end of the colour scale of the error map, degrees.
-const TOP: f32 = 10.0;
+const ANGLE_TOP: f32 = 10.0;
 /// The ratio of texel widths, asset to scan, at the end of the colour scale of lost detail.
 const MOST_COARSE: f32 = 8.0;
+/// The colour difference at the end of the colour scale of the colour error map.
+const COLOR_TOP: f32 = 10.0;
+/// The maximum side of the picture of that map, pixels.
+const MOST_COLOR_SIDE: usize = 512;
+/// Possible values at the end of the colour scale of a patch: degrees or CIEDE2000.
+const PATCH_TOPS: [f32; 6] = [1.0, 2.0, 5.0, 10.0, 20.0, 45.0];
+/// The end of that scale is at least this many times the mean of the patch.
+const OVER_MEAN: f64 = 3.0;
 
 /// Builds all views, one tab each.
 ///
 /// # Errors
 /// [`taotie_engine::Error::Invalid`] if a picture has no pixels.
-pub fn views(proof: &Proof, asset: Option<&Asset>) -> Result<Vec<View>> {
+pub(super) fn views(proof: &Proof, asset: Option<&Asset>) -> Result<Vec<View>> {
     let mut views = sides(&proof.views, &GREY)?;
     if let Some(full) = &proof.full_views {
         views.extend(sides(full, &FULL)?);
     }
     views.extend(grouped(&maps(proof, asset)?));
     if let Some(field) = &proof.color_map {
-        views.push(material::view(field)?);
+        views.push(color_errors(field)?);
     }
     views.extend(proof.detail_map.as_ref().map(lost_detail).transpose()?);
     for (material, textures) in asset.into_iter().flat_map(Asset::texture_sets) {
         views.extend(missed_rays(material, textures)?);
     }
     Ok(views)
+}
+
+/// Builds the pictures of all worst patches.
+///
+/// # Errors
+/// [`taotie_engine::Error::Invalid`] if a picture has no pixels.
+pub(super) fn worst_patches(proof: &Proof) -> Result<Vec<View>> {
+    proof.patches.iter().map(|pictures| patch_view(&proof.figures, pictures)).collect()
+}
+
+fn patch_view(figures: &Figures, pictures: &PatchPictures) -> Result<View> {
+    let PatchPictures { patch, of, scan, asset, difference, flip, .. } = pictures;
+    let (name, unit, map) = match of {
+        PatchQuantity::Angle => ("Worst patch: normals", "°", ColorMap::Viridis),
+        PatchQuantity::Color => ("Worst patch: colours", "ΔE00", ColorMap::Viridis),
+    };
+    let is_enough = |top: &&f32| f64::from(**top) >= patch.mean * OVER_MEAN;
+    let top = *PATCH_TOPS.iter().find(is_enough).unwrap_or(&PATCH_TOPS[PATCH_TOPS.len() - 1]);
+    let (look, mean) = match of {
+        PatchQuantity::Angle => ("in one grey material", format!("{:.2}°", patch.mean)),
+        PatchQuantity::Color => ("in their own materials", format!("ΔE00 {:.2}", patch.mean)),
+    };
+    let place = place_text(patch.center, figures.diagonal, figures.unit);
+    let surface = if patch.is_of_scan { "scan" } else { "asset" };
+    let heat = HeatMap { field: difference, title: "difference", unit, map, top };
+    Ok(View {
+        name: name.into(),
+        note: format!(
+            "Close-up of the window covering 1 % of the visible surface with the largest mean difference: {mean}, \
+             measured at points of the {surface} around {place}. Both are rendered from the same direction, {look} \
+             and under the same light; the mean FLIP is {flip:.4}. The window fills two thirds of the width. Grey \
+             pixels have nothing to compare."
+        ),
+        pictures: vec![
+            Picture::to_look_at("scan", "", &Sheet::developed(scan))?,
+            Picture::to_look_at("asset", "", &Sheet::developed(asset))?,
+            Picture::new("difference", "", &heat.plain())?,
+        ],
+        legend: Some(Legend::new("difference", unit, f64::from(top), map)),
+    })
+}
+
+/// Builds a view of each coarser level, from the direction with the largest FLIP.
+///
+/// # Errors
+/// [`taotie_engine::Error::Invalid`] if a picture has no pixels.
+pub(super) fn worst_views(proof: &Proof) -> Result<Vec<View>> {
+    let worst = proof.coarser_views.iter().enumerate().map(|(i, shots)| worst_view(i + 1, shots));
+    worst.filter_map(Result::transpose).collect()
+}
+
+fn worst_view(level: usize, shots: &Views) -> Result<Option<View>> {
+    let by_flip = |a: &usize, b: &usize| shots.figures[*a].flip.total_cmp(&shots.figures[*b].flip);
+    let Some(i) = (0..shots.figures.len()).max_by(by_flip) else { return Ok(None) };
+    let view = side(shots, i, &GREY)?;
+    let name = format!("level {level}, {}", view.name);
+    let note = format!("Level of detail {level} from the direction in which it differs most. {}", view.note);
+    Ok(Some(View { name, note, ..view }))
+}
+
+/// Builds the view of the colour error map.
+fn color_errors(field: &Field) -> Result<View> {
+    let heat = HeatMap { field, title: "colour error", unit: "", map: ColorMap::Viridis, top: COLOR_TOP };
+    Ok(View {
+        name: "colour error".into(),
+        note: "CIEDE2000 difference between the base colours of asset and scan, in the layout of the maps."
+            .into(),
+        pictures: vec![Picture::to_look_at("colour error", "", &heat.plain().shrunk(MOST_COLOR_SIDE))?],
+        legend: Some(Legend::new("CIEDE2000", "", f64::from(COLOR_TOP), ColorMap::Viridis)),
+    })
 }
 
 /// Builds the view that shows how much coarser the asset's texels are than the scan's detail.
@@ -61,9 +141,24 @@ fn missed_rays(material: &str, textures: &Textures) -> Result<Option<View>> {
         name: named(material, "missed rays"),
         note: "Texels whose rays missed the scan. Amber: the scan's closest point was used. Red: no hit."
             .into(),
-        pictures: vec![Picture::new("missed rays", "", &misses(texels))?],
+        pictures: vec![Picture::new("missed rays", "", &draw_misses(texels))?],
         legend: None,
     }))
+}
+
+/// Draws texels whose rays missed the scan: amber if the closest point was used, red if there was no hit.
+fn draw_misses(misses: &Misses) -> Sheet {
+    const COVERED: [u8; 3] = [70, 90, 80];
+    const CLOSEST: [u8; 3] = [240, 170, 40];
+    const LOST: [u8; 3] = [230, 50, 40];
+    let color = |texel: &TexelStatus| match texel {
+        TexelStatus::Free => GROUND,
+        TexelStatus::Met => COVERED,
+        TexelStatus::Closest => CLOSEST,
+        TexelStatus::Lost => LOST,
+    };
+    let pixels = misses.texels.iter().map(color).collect();
+    Sheet { width: misses.width, height: misses.height, pixels }
 }
 
 /// Returns a name, prefixed by its material if the asset has several.
@@ -72,13 +167,13 @@ fn named(material: &str, name: &str) -> String {
 }
 
 /// How scan and asset look.
-pub struct Look {
+struct Look {
     name: &'static str,
     note: &'static str,
 }
 
 /// One grey material.
-pub const GREY: Look = Look {
+const GREY: Look = Look {
     name: "grey",
     note: "Scan and asset in the same grey material under the same light, to show only shape and normals. FLIP \
            estimates the difference that an observer perceives.",
@@ -91,18 +186,12 @@ const FULL: Look = Look {
 };
 
 /// Builds a view of scan and asset from each direction.
-///
-/// # Errors
-/// [`taotie_engine::Error::Invalid`] if a picture has no pixels.
 fn sides(shots: &Views, look: &Look) -> Result<Vec<View>> {
     (0..shots.figures.len()).map(|i| side(shots, i, look)).collect()
 }
 
 /// Builds the view of scan and asset from direction number `i`.
-///
-/// # Errors
-/// [`taotie_engine::Error::Invalid`] if a picture has no pixels.
-pub fn side(shots: &Views, i: usize, look: &Look) -> Result<View> {
+fn side(shots: &Views, i: usize, look: &Look) -> Result<View> {
     let figures = &shots.figures[i];
     let visual_difference = format!("FLIP {:.4}, SSIM {:.4}", figures.flip, figures.ssim);
     Ok(View {
@@ -123,7 +212,7 @@ fn maps(proof: &Proof, asset: Option<&Asset>) -> Result<Vec<Picture>> {
     let count = asset.map_or(1, |asset| asset.texture_sets().count().max(1));
     let side = (MAP / count.isqrt().next_power_of_two()).max(LEAST_MAP);
     if let Some(errors) = &proof.error_map {
-        let sheet = HeatMap::of_angles(errors, TOP).plain().shrunk(side * count);
+        let sheet = HeatMap::of_angles(errors, ANGLE_TOP).plain().shrunk(side * count);
         maps.push(Picture::to_look_at("normal error", "", &sheet)?);
     }
     for (material, textures) in asset.into_iter().flat_map(Asset::texture_sets) {
@@ -160,6 +249,6 @@ fn view_of_maps(i: usize, pictures: Vec<Picture>) -> View {
             "The angle between the normals of asset and scan, in the layout of the maps, and the baked maps."
                 .into(),
         pictures,
-        legend: Some(Legend::new("Normal error", "°", f64::from(TOP), ColorMap::Viridis)),
+        legend: Some(Legend::new("Normal error", "°", f64::from(ANGLE_TOP), ColorMap::Viridis)),
     }
 }

@@ -1,14 +1,11 @@
-//! A collection as one page: every asset with its picture and figures, worst first.
+//! A collection as one page, every asset with its picture and figures, worst first; and as an IIIF document.
 //!
 //! The page opens from disk, even with ten thousand assets. It shows its embedded data and pictures next to it, and
 //! fetches nothing else.
 
-mod iiif;
-
 use crate::document::{Document, json_element, report, sha256};
 use serde::Serialize;
-
-pub use iiif::iiif;
+use serde_json::{Value, json};
 
 const STYLE: [&str; 2] = [include_str!("../page.css"), include_str!("collection.css")];
 
@@ -23,6 +20,9 @@ const SCRIPT: [&str; 8] = [
     include_str!("rows.js"),
     include_str!("main.js"),
 ];
+
+/// The JSON-LD context of version 4 of the IIIF Presentation API, the first version with 3D scenes.
+const IIIF_CONTEXT: &str = "http://iiif.io/api/presentation/4/context.json";
 
 /// The content of a collection page.
 ///
@@ -129,13 +129,37 @@ pub fn html(gallery: &Gallery) -> String {
 
 /// Writes the page's data as JSON.
 pub fn json(gallery: &Gallery) -> String {
-    let all = serde_json::json!({
+    let all = json!({
         "schema": 1,
         "version": env!("CARGO_PKG_VERSION"),
         "title": gallery.title,
         "assets": gallery.assets,
     });
     all.to_string()
+}
+
+/// Writes an IIIF Presentation API 4 collection: a manifest with one scene for each asset that has a model. `address`
+/// is where the page will be published, since IIIF requires absolute URLs.
+///
+/// ```
+/// use taotie_report::collection_page::{Entry, Gallery, iiif};
+///
+/// let jue = Entry { id: "jue.ply".into(), model: Some("objects/1f/1f2e/jue.glb".into()), ..Entry::default() };
+/// let text = iiif(&Gallery { title: "Bronzes".into(), assets: vec![jue] }, "https://museum.example/bronzes");
+/// assert!(text.contains("https://museum.example/bronzes/objects/1f/1f2e/jue.glb"));
+/// ```
+pub fn iiif(gallery: &Gallery, address: &str) -> String {
+    let base = format!("{}/", address.trim_end_matches('/'));
+    let base = if address.is_empty() { "" } else { base.as_str() };
+    let items = gallery.assets.iter().filter_map(|asset| manifest(asset, base));
+    let collection = json!({
+        "@context": IIIF_CONTEXT,
+        "id": format!("{base}iiif.json"),
+        "type": "Collection",
+        "label": label(&gallery.title),
+        "items": items.collect::<Vec<_>>(),
+    });
+    format!("{collection:#}")
 }
 
 /// Allows only this style sheet, this script, and pictures within the page or next to it; no connections.
@@ -145,6 +169,44 @@ fn policy(style: &str, script: &str) -> String {
         "default-src 'none'; img-src 'self' file: data:; style-src 'sha256-{style}'; script-src 'sha256-{script}'; \
          base-uri 'none'; form-action 'none'"
     )
+}
+
+/// Returns the manifest of an asset; `None` if it has no model.
+fn manifest(asset: &Entry, base: &str) -> Option<Value> {
+    let model = format!("{base}{}", asset.model.as_ref()?);
+    let scene = format!("{model}#scene");
+    let name = asset.title.as_ref().unwrap_or(&asset.id);
+    let mut manifest = json!({
+        "id": format!("{model}#manifest"),
+        "type": "Manifest",
+        "label": label(name),
+        "items": [{
+            "id": scene,
+            "type": "Scene",
+            "label": label(name),
+            "items": [{
+                "id": format!("{model}#page"),
+                "type": "AnnotationPage",
+                "items": [{
+                    "id": format!("{model}#annotation"),
+                    "type": "Annotation",
+                    "motivation": ["painting"],
+                    "body": [{ "id": model, "type": "Model", "format": "model/gltf-binary" }],
+                    "target": [{ "id": scene, "type": "Scene" }],
+                }],
+            }],
+        }],
+    });
+    if let Some(picture) = &asset.thumbnail {
+        let id = format!("{base}{picture}");
+        manifest["thumbnail"] = json!([{ "id": id, "type": "Image", "format": "image/webp" }]);
+    }
+    Some(manifest)
+}
+
+/// Returns a language map for a text without a language.
+fn label(text: &str) -> Value {
+    json!({ "none": [text] })
 }
 
 #[cfg(test)]
@@ -160,7 +222,7 @@ mod tests {
         assert_eq!((document.matches("<script").count(), document.matches("</script>").count()), (2, 2));
         assert!(!document.contains("<img") && !document.contains("<!--"));
         let (_, rest) = document.split_once("id=\"data\">").unwrap();
-        let read: serde_json::Value = serde_json::from_str(rest.split_once("</script>").unwrap().0).unwrap();
+        let read: Value = serde_json::from_str(rest.split_once("</script>").unwrap().0).unwrap();
         assert_eq!(read["assets"][0]["error"], NASTY);
     }
 

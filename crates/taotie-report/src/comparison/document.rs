@@ -1,10 +1,10 @@
-//! `report.json`: the library's report with the caller's additions.
+//! `report.json`: the library's report of a comparison with the caller's options.
 
-use super::Options;
 use serde::Serialize;
 use serde_json::{Value, json};
+use taotie::Warning;
 use taotie::comparison::{
-    Comparison, CountedWarning, MethodReport, MethodTime, PointReport, Rules, SkippedMethod, SubjectReport,
+    Comparison, MethodReport, MethodTime, PointReport, Rules, SkippedMethod, SubjectReport,
 };
 use taotie_engine::{Error, Result};
 
@@ -42,7 +42,34 @@ pub struct Document {
     /// The duration of each of `methods`; everything else is the same in every run.
     pub times: Vec<MethodTime>,
     /// Warnings about anything that could not be rendered as requested, with counts.
-    pub warnings: Vec<CountedWarning>,
+    pub warnings: Vec<Warning>,
+}
+
+/// The options for the files of a comparison.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Options {
+    /// The heading of the page.
+    pub title: String,
+    /// The angle at the top of the heat maps' scale, degrees.
+    pub heat_top_deg: f64,
+    /// The choice of material, repeated in `report.json`; null if there is none.
+    pub material: Value,
+    /// The choice of environment, repeated in `report.json`; null if there is none.
+    pub environment: Value,
+    /// Also writes normals and angular errors as OpenEXR: unencoded unit vectors in world space, and degrees.
+    pub exr: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            title: "Comparison".into(),
+            heat_top_deg: 30.0,
+            material: Value::Null,
+            environment: Value::Null,
+            exr: false,
+        }
+    }
 }
 
 impl Document {

@@ -18,18 +18,13 @@
 
 mod document;
 mod files;
-mod one_surface;
-mod options;
 mod page;
-mod picture_tables;
-mod tables;
 
-pub use document::{Document, SCHEMA};
+pub use document::{Document, Options, SCHEMA};
 pub use files::possible_files;
-pub use options::Options;
 
 use crate::Page;
-use files::Files;
+use files::{Files, tables};
 use std::path::{Path, PathBuf};
 use taotie::comparison::Comparison;
 use taotie_engine::Result;
@@ -74,7 +69,7 @@ pub fn write_in(set: &FileSet, comparison: &Comparison, options: &Options, folde
     }
     let document = Document::new(comparison, options)?;
     files.write_text("report.json", &document.json()?)?;
-    for (name, table) in tables::files(&document) {
+    for (name, table) in tables(&document) {
         files.write_text(name, &table)?;
     }
     let page = page::page(comparison, &document, options)?;

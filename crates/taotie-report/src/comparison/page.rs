@@ -1,13 +1,14 @@
 //! `report.html`: the page for a comparison, which opens from disk.
 
-use super::{Document, Options, one_surface, picture_tables};
+use super::document::{Document, Options};
 use crate::heat_map::HeatMap;
 use crate::sheet::Sheet;
-use crate::summary;
+use crate::table::figures;
 use crate::{Cell, Column, Fact, Legend, Notice, Page, Picture, Section, Series, Tone, View};
-use taotie::comparison::{Comparison, MethodReport, ModelReport, RenderedSurface};
+use taotie::comparison::{Comparison, MethodReport, ModelReport, PictureFigures, RenderedSurface};
 use taotie_engine::Result;
 use taotie_engine::compare::{ColorMap, Summary};
+use taotie_engine::names::Named;
 
 /// Builds the page for a comparison with the figures in `report`.
 ///
@@ -77,7 +78,7 @@ fn facts(report: &Document) -> Vec<Fact> {
 fn views(report: &Document, comparison: &Comparison, top: f32) -> Result<Vec<View>> {
     let mut views = match report.is_compared() {
         true => picture_views(report, comparison)?,
-        false => one_surface::views(&comparison.surfaces[0])?,
+        false => surface_views(&comparison.surfaces[0])?,
     };
     let normals = |surface: &RenderedSurface| Some(Sheet::of_normals(&surface.normals));
     let note = "Shading normals in world space as colours, (n + 1) / 2.";
@@ -92,6 +93,31 @@ fn views(report: &Document, comparison: &Comparison, top: f32) -> Result<Vec<Vie
     // A surface without a counterpart has no differences.
     views.retain(|view| !view.pictures.is_empty());
     Ok(views)
+}
+
+/// Builds the views of a single surface: its shading models side by side, and their differences from the baseline.
+fn surface_views(surface: &RenderedSurface) -> Result<Vec<View>> {
+    let pictures = surface
+        .pictures
+        .iter()
+        .map(|(shading, picture)| Picture::new(shading.name(), "", &Sheet::developed(picture)));
+    let flips = surface.model_differences.iter().map(|model| {
+        let note = format!("against {}", model.baseline.name());
+        Picture::new(model.shading.name(), note, &HeatMap::of_flip(&model.picture.flip).plain())
+    });
+    let models = View {
+        name: "shading models".into(),
+        note: format!("The surface method {} under each shading model, in the same light.", surface.id()),
+        pictures: pictures.collect::<Result<_>>()?,
+        legend: None,
+    };
+    let differences = View {
+        name: "shading models: FLIP".into(),
+        note: "FLIP estimates the perceived difference from the baseline.".into(),
+        pictures: flips.collect::<Result<_>>()?,
+        legend: Some(Legend::new("FLIP", "", 1.0, ColorMap::Magma)),
+    };
+    Ok(vec![models, differences])
 }
 
 /// Returns the views of pictures and of their differences for each shading model.
@@ -151,9 +177,9 @@ fn sections(report: &Document) -> Vec<Section> {
     if report.is_compared() {
         sections.extend([error_table(report), histogram(report)]);
         let shadings = 0..report.methods[0].pictures.len();
-        sections.extend(shadings.map(|i| picture_tables::of_surfaces(report, i)));
+        sections.extend(shadings.map(|i| picture_table(report, i)));
     }
-    sections.extend(picture_tables::of_models(report));
+    sections.extend(model_table(report));
     if !report.points.is_empty() {
         sections.push(normals_table(report));
         sections.push(angles_table(report));
@@ -189,7 +215,7 @@ fn error_table(report: &Document) -> Section {
 }
 
 fn figure_cells(summary: Option<&Summary>) -> [Cell; 4] {
-    match summary.map(summary::figures) {
+    match summary.map(figures) {
         Some(numbers) => numbers.map(|figure| Cell::number(figure, 2)),
         None => std::array::from_fn(|_| Cell::Number { value: None, digits: 2 }),
     }
@@ -208,6 +234,60 @@ fn histogram(report: &Document) -> Section {
         last_is_open: true,
         series: series.collect(),
     }
+}
+
+/// Returns the table comparing pictures under one shading model with those of the surface all are measured against.
+fn picture_table(report: &Document, i: usize) -> Section {
+    let row = |method: &MethodReport| {
+        let difference = method.pictures[i].difference.as_ref()?;
+        Some([vec![Cell::text(method.method.clone())], picture_cells(difference)].concat())
+    };
+    Section::Table {
+        title: format!("Shaded pictures, {}", report.methods[0].pictures[i].shading),
+        note: format!("Compared with {}, over the whole picture.", report.against),
+        columns: [vec![Column::words("method")], picture_columns()].concat(),
+        rows: report.methods.iter().filter_map(row).collect(),
+    }
+}
+
+/// Returns the table comparing the shading models with the baseline; `None` without a baseline.
+fn model_table(report: &Document) -> Option<Section> {
+    let baseline = &report.methods[0].models.first()?.baseline;
+    let names = |method: &MethodReport, model: &ModelReport| {
+        vec![Cell::text(method.method.clone()), Cell::text(model.shading.clone())]
+    };
+    let row = |method: &MethodReport, model: &ModelReport| {
+        [names(method, model), picture_cells(&model.difference)].concat()
+    };
+    let rows = report.methods.iter().flat_map(|method| method.models.iter().map(move |m| row(method, m)));
+    Some(Section::Table {
+        title: format!("Shading models against {baseline}"),
+        note: format!(
+            "Each surface's picture compared with its picture under {baseline}, over the whole picture."
+        ),
+        columns: [vec![Column::words("method"), Column::words("shading")], picture_columns()].concat(),
+        rows: rows.collect(),
+    })
+}
+
+fn picture_columns() -> Vec<Column> {
+    let flip =
+        ["FLIP mean", "FLIP median", "FLIP 95 %", "FLIP max"].map(|figure| Column::numbers(figure, ""));
+    let others = [("RMSE", ""), ("PSNR", "dB"), ("SSIM", "")];
+    others.into_iter().map(|(figure, unit)| Column::numbers(figure, unit)).chain(flip).collect()
+}
+
+fn picture_cells(difference: &PictureFigures) -> Vec<Cell> {
+    let mut cells = vec![
+        Cell::number(difference.rmse, 4),
+        Cell::Number { value: difference.psnr, digits: 2 },
+        Cell::number(difference.ssim, 4),
+    ];
+    cells.extend(match difference.flip.as_ref().map(figures) {
+        Some(flip) => flip.map(|figure| Cell::number(figure, 4)),
+        None => std::array::from_fn(|_| Cell::Number { value: None, digits: 4 }),
+    });
+    cells
 }
 
 /// Table 2 of Guo and Wang 2025 for this model.

@@ -1,9 +1,10 @@
-//! The viewer of an asset file, with the default light and camera of a picture.
+//! The viewer of an asset file, with the default light and camera of a picture and the metadata that the file states.
 
-use super::{MeasuredErrors, Subject, Viewer, facts};
+use super::{MeasuredErrors, Subject, Viewer};
 use crate::Fact;
 use std::path::Path;
-use taotie::asset::{Limits, model_unit};
+use taotie::Limits;
+use taotie::asset::model_unit;
 use taotie::studio::{self, CameraOptions, Framing, LightOptions, MaterialOptions, Viewpoint};
 use taotie_engine::film::Development;
 use taotie_engine::image::Texture;
@@ -11,9 +12,13 @@ use taotie_engine::length::Unit;
 use taotie_engine::render::{Prepared, RenderSettings};
 use taotie_engine::scene::Scene;
 use taotie_engine::{Result, Warnings};
+use taotie_io::{Loaded, xmp_rights, xmp_sources};
 
 /// The maximum side of textures on the page, texels.
 pub const MOST_TEXTURE_SIDE: u32 = 2048;
+
+/// The smallest side to which textures are reduced, texels.
+const LEAST_TEXTURE_SIDE: u32 = 128;
 
 /// An asset file.
 #[derive(Clone, Copy)]
@@ -28,9 +33,6 @@ pub struct AssetSubject<'a> {
     pub errors: Option<MeasuredErrors<'a>>,
 }
 
-/// The smallest side to which textures are reduced, texels.
-const LEAST_TEXTURE_SIDE: u32 = 128;
-
 /// Returns the maximum size of a page for an asset of `bytes`: the asset in base64, and 3 MB for everything else.
 pub fn most_page_bytes(bytes: u64) -> u64 {
     bytes / 100 * 134 + 3_000_000
@@ -42,10 +44,10 @@ impl AssetSubject<'_> {
     /// file are not reported again, since its proof has already read it.
     ///
     /// # Errors
-    /// Those of [`studio::load_within`] and [`Viewer::new`].
+    /// Those of [`studio::load`] and [`Viewer::new`].
     pub fn page(&self, write: &dyn Fn(&Viewer) -> String) -> Result<(String, Warnings)> {
         let name = self.path.file_name().unwrap_or_default().to_string_lossy();
-        let mut loaded = studio::load_within(self.path, &MaterialOptions::default(), self.limits)?;
+        let mut loaded = studio::load(self.path, &MaterialOptions::default(), self.limits)?;
         let (facts, most) = (facts(&loaded, &name), most_page_bytes(loaded.bytes.unwrap_or_default()));
         let (scene, unit) = (std::mem::take(&mut loaded.scene), model_unit(&loaded));
         let mut side = fitting_side(&scene, most);
@@ -82,6 +84,21 @@ impl AssetSubject<'_> {
             errors: self.errors,
         })
     }
+}
+
+/// Returns the source, rights and size of a model, as far as its file states them.
+pub fn facts(loaded: &Loaded, file: &str) -> Vec<Fact> {
+    let packet = loaded.xmp.first();
+    let sources = packet.map(xmp_sources).unwrap_or_default().join("; ");
+    let stated = [
+        ("File", Some(file.to_owned())),
+        ("Triangles", Some(loaded.scene.triangle_count().to_string())),
+        ("Copyright", loaded.copyright.clone()),
+        ("Rights", packet.and_then(xmp_rights)),
+        ("Source", Some(sources).filter(|text| !text.is_empty())),
+        ("Made by", loaded.generator.clone()),
+    ];
+    stated.into_iter().filter_map(|(name, value)| Some(Fact::new(name, value?))).collect()
 }
 
 /// Returns the largest texture side, a power of two, with an estimated size of at most `most` bytes.

@@ -1,23 +1,50 @@
-//! The data of a page: everything that its script reads apart from the model.
+//! A model with its initial view, and the data of its page: everything that the script reads apart from the model.
 
-use super::blob::Blob;
-use super::camera::Orbit;
-use super::iiif::Outline;
+use super::document::Blob;
 use super::light::{Light, light};
-use super::scan::{Errors, errors, known_errors};
-use super::shaders::{FrameLayout, Shaders, Texts};
-use super::surfaces::{Drawing, SurfaceData, method_names};
-use super::textures::{TextureData, textures};
-use super::{Bookmark, Subject, asset};
+use super::model::{self, TextureData, textures};
+use super::scan::{Errors, MeasuredErrors, ScanSubject, errors, known_errors};
+use super::surfaces::{Drawing, FrameLayout, Shaders, SurfaceData, Texts, method_names};
+use super::views::{Bookmark, Orbit, Outline};
 use crate::Fact;
 use serde::Serialize;
+use taotie_engine::film::Development;
 use taotie_engine::length::Unit;
 use taotie_engine::names::Named;
 use taotie_engine::raster::SamplePattern;
-use taotie_engine::render::{Prepared, RenderSettings};
+use taotie_engine::render::{Lighting, Prepared, RenderSettings};
+use taotie_engine::scene::Camera;
 use taotie_engine::shade::Shading;
 use taotie_engine::shade::dfg::{COLUMNS, tables};
 use taotie_engine::{Result, Warnings};
+
+/// A model and its initial view.
+#[derive(Clone, Copy)]
+pub struct Subject<'a> {
+    /// The heading and window title.
+    pub title: &'a str,
+    /// Source and rights, as shown on the page.
+    pub facts: &'a [Fact],
+    /// The unit of the coordinates of the model, `scan` and `errors`: metres, or unknown. See
+    /// [`taotie::asset::model_unit`].
+    pub unit: Option<Unit>,
+    /// Views that the page offers.
+    pub bookmarks: &'a [Bookmark],
+    /// The model.
+    pub prepared: &'a Prepared,
+    /// The initial reflectance model and surface method, and all settings that affect shaders. The size is ignored.
+    pub settings: &'a RenderSettings,
+    /// The camera.
+    pub camera: &'a Camera,
+    /// The light.
+    pub lighting: &'a Lighting,
+    /// Exposure, tone curve and background.
+    pub development: &'a Development,
+    /// The scan that the model is measured against.
+    pub scan: Option<ScanSubject<'a>>,
+    /// The model's errors, if already known; ignored if `scan` is present.
+    pub errors: Option<MeasuredErrors<'a>>,
+}
 
 /// The data of a page, as declared in `viewer/src/data.ts`.
 #[derive(Serialize)]
@@ -103,7 +130,7 @@ impl Models<'_> {
         let (settings, environment) = (self.settings, self.environment);
         let mut drawing = Drawing { prepared, settings, environment, shaders: &mut self.shaders };
         let (model, (surfaces, (textures, numbers))) = rayon::join(
-            || asset::glb(prepared, warnings),
+            || model::glb(prepared, warnings),
             || (drawing.surfaces(), textures(prepared.scene(), codes)),
         );
         self.blobs.push(Blob::new(glb, model?));

@@ -4,35 +4,26 @@
 //! The page's script is built from `viewer/` at the root of the repository. It draws with shaders from
 //! `taotie_shader` and makes no shading decisions itself.
 
-mod about;
-mod asset;
 mod asset_page;
-mod blob;
-mod bookmark;
-mod camera;
 mod data;
 mod document;
-mod halves;
 mod iiif;
 mod light;
+mod model;
 mod scan;
-mod shaders;
-mod subject;
 mod surfaces;
-mod textures;
+mod views;
 
-pub use about::facts;
-pub use asset_page::{AssetSubject, MOST_TEXTURE_SIDE, most_page_bytes};
-pub use blob::PageFile;
-pub use bookmark::Bookmark;
-pub use document::SCRIPT;
+pub use asset_page::{AssetSubject, MOST_TEXTURE_SIDE, facts, most_page_bytes};
+pub use data::Subject;
+pub use document::{PageFile, SCRIPT};
 pub use scan::{MOST_TRIANGLES, MeasuredErrors, ScanSubject, scene_to_show};
-pub use subject::Subject;
+pub use views::Bookmark;
 
 use crate::Page;
-use blob::Blob;
-use iiif::Outline;
+use document::Blob;
 use taotie_engine::{Result, Warnings};
+use views::Outline;
 
 /// A page that shows a model in the browser.
 pub struct Viewer {

@@ -1,6 +1,6 @@
 //! The scan from which the asset was baked, and the normal error on the asset's surface.
 
-use super::blob::{Blob, bytes_of_words};
+use super::document::{Blob, bytes_of_words};
 use serde::Serialize;
 use taotie::asset::{Figures, Proof, Scan, VerifyOptions, measure};
 use taotie_engine::bake::{

@@ -1,12 +1,19 @@
-//! The stages of a variant's pixel, in the order in which they run.
+//! The stages of a variant's pixel, in the order in which they run, and what each of them computes.
 
-use super::inputs::Inputs;
-use super::points::has_coat;
+use super::structures::Inputs;
 use crate::graph::Graph;
 use crate::program::{Formula, part};
 use crate::recorder::{Callee, Recorded, record};
 use crate::variant::{Alpha, Variant};
-use taotie_engine::pixel::takes_albedos;
+use taotie_engine::math::Vec3;
+use taotie_engine::pixel::{
+    EnvironmentTexels, Frame, Geometry, Highlight, MappedNormal, MaterialPoint, NormalInputs,
+    anisotropy_direction, anisotropy_turn, coat_albedo, coat_highlight, coat_normal, highlight,
+    is_cook_torrance, lobe_roughness, lobe_slope, occluded, sheen_albedo, takes_albedos,
+};
+use taotie_engine::scene::TextureRole;
+use taotie_engine::shade::dfg::{Dfg, TablePosition};
+use taotie_engine::shade::{Angles, AnisotropicLobe, SubPixelVariance, curvature_variance};
 
 /// A recorded stage, and what it feeds.
 pub(super) struct Stage {
@@ -65,6 +72,11 @@ fn tables(variant: &Variant) -> Vec<Stage> {
         tables.push(stage(variant, SHEEN_ALBEDO, |inputs| inputs.sheen_position()));
     }
     tables
+}
+
+/// Returns true if the model supports a clearcoat that the material has.
+fn has_coat(variant: &Variant) -> bool {
+    variant.layers.taken && variant.layers.clearcoat
 }
 
 /// A stage's name, the name of its result, its structure, what it feeds, and its documentation.
@@ -200,3 +212,332 @@ const LIGHT: Title = Title {
     doc: "Radiance to the viewer per unit of irradiance on a plane facing the light in direction `l` (unit, world
 space), linear RGB: f · n·l.",
 };
+
+type Number<'g> = Recorded<'g>;
+type Vector<'g> = Vec3<Recorded<'g>>;
+
+/// The shading frame of a point, by the method of its normals.
+impl<'g> Inputs<'g, '_> {
+    /// The directions, in the order of the structure's fields.
+    fn shading_frame(self) -> Vec<Number<'g>> {
+        let geometry = self.geometry();
+        let frame = Frame::new(
+            &geometry,
+            geometry.front_normal(self.variant.method, &self),
+            self.side(),
+            self.variant.softened,
+        );
+        let coat_n = coat_normal(self.mapped_coat(&geometry, &frame), &frame);
+        let tangent = anisotropy_direction(&geometry, frame.n, self.turn());
+        let mut numbers: Vec<Number<'g>> = frame.n.to_array().to_vec();
+        numbers.extend(frame.smooth.to_array());
+        numbers.extend(coat_n.to_array());
+        numbers.extend(tangent.to_array());
+        numbers
+    }
+
+    /// The clearcoat's normal on the visible side, before it is turned towards the viewer.
+    fn mapped_coat(self, geometry: &Geometry<Number<'g>>, frame: &Frame<Number<'g>>) -> Vector<'g> {
+        let is_mapped = self.variant.textures.contains_key(&TextureRole::ClearcoatNormal);
+        if !(is_mapped && self.variant.tangents) {
+            return frame.smooth;
+        }
+        let map = MappedNormal {
+            stored: self.vector("t.clearcoat_normal"),
+            scale: self.number("u.clearcoat_normal_scale"),
+            green: self.number("u.clearcoat_normal_green"),
+        };
+        geometry.tangent_mapped(map) * self.side()
+    }
+
+    /// Cosine and sine of the anisotropy angle.
+    fn turn(self) -> [Number<'g>; 2] {
+        let own = [self.number("u.anisotropy_cos"), self.number("u.anisotropy_sin")];
+        match self.variant.textures.contains_key(&TextureRole::Anisotropy) {
+            true => {
+                anisotropy_turn(own, [self.number("t.anisotropy_red"), self.number("t.anisotropy_green")])
+            }
+            false => own,
+        }
+    }
+}
+
+impl<'g> NormalInputs<Number<'g>> for Inputs<'g, '_> {
+    /// The gradient of a height map is a gradient on the surface, for any two parameters: here the steps to the next
+    /// samples, since a shader does not see the triangle.
+    fn bump(&self) -> ([Vector<'g>; 2], [Number<'g>; 2]) {
+        let factor = self.number("u.bump");
+        let (by_u, by_v) = (self.number("t.height_du") * factor, self.number("t.height_dv") * factor);
+        let along = |du, dv| by_u * self.number(du) + by_v * self.number(dv);
+        let dh = [along("g.du_dx", "g.dv_dx"), along("g.du_dy", "g.dv_dy")];
+        ([self.vector("g.position_dx"), self.vector("g.position_dy")], dh)
+    }
+
+    fn printed_bump(&self) -> [Number<'g>; 2] {
+        let grey = self.number("t.height_du") * (self.constant(255.0) / self.number("g.height_width"));
+        [self.number("u.bump"), grey]
+    }
+
+    fn texel(&self) -> MappedNormal<Number<'g>> {
+        MappedNormal {
+            stored: self.vector("t.normal"),
+            scale: self.number("u.normal_scale"),
+            green: self.number("u.normal_green"),
+        }
+    }
+
+    fn normal_matrix(&self) -> [Vector<'g>; 3] {
+        ["u.normal_matrix_x", "u.normal_matrix_y", "u.normal_matrix_z"].map(|path| self.vector(path))
+    }
+}
+
+/// The values of a material at a point: textures times factors, widened by subpixel detail.
+impl<'g> Inputs<'g, '_> {
+    fn has(self, role: TextureRole) -> bool {
+        self.variant.textures.contains_key(&role)
+    }
+
+    /// A texel times its factor; only the factor if there is no texture.
+    fn scaled(self, role: TextureRole, texel: &'static str, factor: &'static str) -> Number<'g> {
+        match self.has(role) {
+            true => self.number(texel) * self.number(factor),
+            false => self.number(factor),
+        }
+    }
+
+    /// A colour's texel times its factor; only the factor if there is no texture.
+    fn colored(self, role: TextureRole, texel: &'static str, factor: &'static str) -> Vector<'g> {
+        match self.has(role) {
+            true => self.vector(texel).mul_elements(self.vector(factor)),
+            false => self.vector(factor),
+        }
+    }
+
+    /// Base colour texture times vertex colour.
+    fn tint(self) -> Vector<'g> {
+        let texel = self.vector_or(self.has(TextureRole::BaseColor), "t.base_color", 1.0);
+        texel.mul_elements(self.vector_or(self.variant.vertex_color, "t.color", 1.0))
+    }
+
+    /// Opacity.
+    fn alpha(self) -> Number<'g> {
+        let alpha = self.scaled(TextureRole::BaseColor, "t.alpha", "u.alpha");
+        if self.variant.vertex_color { alpha * self.number("t.color_alpha") } else { alpha }
+    }
+
+    fn occlusion(self) -> Number<'g> {
+        match self.variant.is_occluded() {
+            true => occluded(self.number("t.occlusion"), self.number("u.occlusion_strength")),
+            false => self.constant(1.0),
+        }
+    }
+
+    fn curvature(self) -> Number<'g> {
+        match self.variant.has_curvature() {
+            true => curvature_variance(self.vector("g.normal_dx"), self.vector("g.normal_dy")),
+            false => self.constant(0.0),
+        }
+    }
+
+    /// The variance of a map's normals within the pixel.
+    fn mapped_variance(self, counts: bool, texel: &'static str, scale: &'static str) -> Number<'g> {
+        match counts {
+            true => self.number(texel) * (self.number(scale) * self.number(scale)),
+            false => self.constant(0.0),
+        }
+    }
+
+    fn hidden(self) -> SubPixelVariance<Number<'g>> {
+        let counts = self.variant.has_normal_variance();
+        let normal_variance = self.mapped_variance(counts, "t.normal_variance", "u.normal_scale");
+        SubPixelVariance { curvature: self.curvature(), normal_variance }
+    }
+
+    fn hidden_in_coat(self) -> SubPixelVariance<Number<'g>> {
+        let counts = self.variant.specular_aa && self.has(TextureRole::ClearcoatNormal);
+        let normal_variance =
+            self.mapped_variance(counts, "t.clearcoat_variance", "u.clearcoat_normal_scale");
+        SubPixelVariance { curvature: self.curvature(), normal_variance }
+    }
+
+    fn roughness(self) -> Number<'g> {
+        let roughness = self.scaled(TextureRole::MetallicRoughness, "t.roughness", "u.roughness");
+        if self.variant.widens { self.hidden().widened(roughness) } else { roughness }
+    }
+
+    fn coat_roughness(self) -> Number<'g> {
+        let role = TextureRole::ClearcoatRoughness;
+        let roughness = self.scaled(role, "t.clearcoat_roughness", "u.clearcoat_roughness");
+        self.hidden_in_coat().widened(roughness)
+    }
+
+    /// All values, in the order of the structure's fields.
+    fn material_values(self) -> Vec<Number<'g>> {
+        let metallic = self.scaled(TextureRole::MetallicRoughness, "t.metallic", "u.metallic");
+        let specular = self.scaled(TextureRole::Specular, "t.specular", "u.specular");
+        let specular_color = self.colored(TextureRole::SpecularColor, "t.specular_color", "u.specular_color");
+        let emissive = self.colored(TextureRole::Emissive, "t.emissive", "u.emissive");
+        let sheen_color = self.colored(TextureRole::SheenColor, "t.sheen_color", "u.sheen_color");
+        let sheen = self.scaled(TextureRole::SheenRoughness, "t.sheen_roughness", "u.sheen_roughness");
+        let mut values = self.tint().to_array().to_vec();
+        values.extend([metallic, self.roughness(), specular]);
+        values.extend(specular_color.to_array());
+        values.push(self.occlusion());
+        values.extend(emissive.to_array());
+        values.push(self.hidden().variance());
+        values.push(self.scaled(TextureRole::Clearcoat, "t.clearcoat", "u.clearcoat"));
+        values.push(self.coat_roughness());
+        values.extend(sheen_color.to_array());
+        values.push(sheen);
+        values.push(self.scaled(TextureRole::Anisotropy, "t.anisotropy", "u.anisotropy"));
+        values
+    }
+}
+
+/// A point of the surface, the positions of its table lookups, and its reflection.
+impl<'g> Inputs<'g, '_> {
+    /// The position at which the lobe's table is read.
+    fn albedo_position(self) -> Vec<Number<'g>> {
+        let n_dot_v = self.vector("f.n").dot(self.vector("g.v"));
+        if is_cook_torrance(self.variant.shading) {
+            let slope = lobe_slope(&self.uniforms(), &self.values());
+            return position(TablePosition::of_cook_torrance(n_dot_v, slope));
+        }
+        position(TablePosition::of_ggx(n_dot_v, self.number("m.roughness")))
+    }
+
+    /// The position at which the clearcoat's table is read.
+    fn coat_position(self) -> Vec<Number<'g>> {
+        let n_dot_v = self.vector("f.coat_n").dot(self.vector("g.v"));
+        position(TablePosition::of_ggx(n_dot_v, self.number("m.coat_roughness")))
+    }
+
+    /// The position at which the sheen's table is read.
+    fn sheen_position(self) -> Vec<Number<'g>> {
+        let n_dot_v = self.vector("f.n").dot(self.vector("g.v"));
+        position(TablePosition::of_ggx(n_dot_v, self.number("m.sheen_roughness")))
+    }
+
+    fn dfg(self, paths: [&'static str; 4]) -> Dfg<Number<'g>> {
+        let [scale, bias, edge, diffuse_edge] = paths.map(|path| self.number(path));
+        Dfg { scale, bias, edge, diffuse_edge }
+    }
+
+    /// The directional albedos of the lobe.
+    fn lobe_dfg(self) -> Dfg<Number<'g>> {
+        self.dfg(["dfg.scale", "dfg.bias", "dfg.edge", "dfg.diffuse_edge"])
+    }
+
+    /// The point, in the order of the structure's fields.
+    fn surface_point(self) -> Vec<Number<'g>> {
+        let variant = self.variant;
+        let (frame, uniforms, values) = (self.frame(), self.uniforms(), self.values());
+        let dfg = variant.compensated.then(|| self.lobe_dfg());
+        let point = MaterialPoint::new(variant.shading, &uniforms, &values, dfg);
+        let sample = &point.sample;
+        let none = self.constant(0.0);
+        let (gain, transmitted) =
+            sample.compensation.map_or((Vec3::splat(none), none), |c| (c.gain, c.transmitted));
+        let mut numbers = flat([frame.n, frame.smooth, frame.v, sample.base_color]);
+        numbers.extend([sample.metallic, sample.roughness]);
+        numbers.extend(sample.f0.to_array());
+        numbers.push(sample.f90);
+        numbers.extend(flat([sample.f82_drop, sample.diffuse, sample.specular]));
+        numbers.extend([sample.shininess, sample.slope]);
+        numbers.extend(gain.to_array());
+        numbers.push(transmitted);
+        numbers.extend(flat([point.ambient, point.emissive]));
+        numbers.extend([point.occlusion, lobe_roughness(variant.shading, &uniforms, &values)]);
+        numbers.extend(self.point_layers(frame.n));
+        numbers
+    }
+
+    /// The layers of the point, in the order of the structure's fields.
+    fn point_layers(self, n: Vector<'g>) -> Vec<Number<'g>> {
+        let tangent = self.vector("f.tangent");
+        let (roughness, strength) = (self.number("m.roughness"), self.number("m.anisotropy"));
+        let lobe = AnisotropicLobe::new(tangent, n.cross(tangent), roughness, strength);
+        let coat_dfg =
+            self.dfg(["coat_dfg.scale", "coat_dfg.bias", "coat_dfg.edge", "coat_dfg.diffuse_edge"]);
+        let mut numbers = flat([lobe.tangent, lobe.bitangent]);
+        numbers.extend([lobe.along, lobe.across, strength]);
+        numbers.extend(self.vector("f.coat_n").to_array());
+        numbers.extend([self.number("m.coat"), self.number("m.coat_roughness"), coat_albedo(&coat_dfg)]);
+        numbers.extend(self.vector("m.sheen_color").to_array());
+        numbers.extend([self.number("m.sheen_roughness"), sheen_albedo(self.number("sheen_table"))]);
+        numbers
+    }
+
+    /// The reflection of a light; angles are those of the function with this name in the program. Equivalent to
+    /// `SurfacePoint::reflect`, but names the angles of the clearcoat after the base is recorded.
+    fn reflect_light(self, angles: &Callee<'_>) -> Vec<Number<'g>> {
+        let (point, l) = (self.point(), self.vector("l"));
+        let v = point.frame.v;
+        self.name_angles(angles, [point.frame.n, v, l]);
+        let reflected = point.reflect_base(l);
+        let reflected = match &point.layers.coat {
+            Some(coat) => {
+                self.name_angles(angles, [coat.n, v, l]);
+                coat.over(reflected, v, l)
+            }
+            None => reflected,
+        };
+        reflected.to_array().to_vec()
+    }
+
+    /// Makes the angles of these directions a call.
+    fn name_angles(self, angles: &Callee<'_>, [n, v, l]: [Vector<'g>; 3]) {
+        self.scope.calling(angles, &[n, v, l], || {
+            let a = Angles::new(n, v, l);
+            vec![a.n_dot_l, a.n_dot_v, a.n_dot_h, a.sin2_h, a.v_dot_h, a.r_dot_v]
+        });
+    }
+
+    /// Emission, and reflection of the ambient light.
+    fn own(self) -> Vec<Number<'g>> {
+        self.point().own(self.vector("ambient")).to_array().to_vec()
+    }
+
+    /// The highlight that gathers the environment's light.
+    fn highlight(self) -> Vec<Number<'g>> {
+        let frame = self.point().frame;
+        let roughness = self.number("p.lobe_roughness");
+        gathered(highlight(&frame, roughness, self.anisotropic().as_ref()))
+    }
+
+    /// The clearcoat's highlight that gathers the environment's light.
+    fn coat_highlight(self) -> Vec<Number<'g>> {
+        let coat = self.coat();
+        gathered(coat_highlight(coat.n, self.vector("p.v"), coat.roughness))
+    }
+
+    /// The reflection of the environment.
+    fn reflect_environment(self) -> Vec<Number<'g>> {
+        let light = EnvironmentTexels {
+            specular: self.vector("e.specular"),
+            mean: self.vector("e.mean"),
+            coat: self.vector("e.coat"),
+        };
+        self.point().reflect_environment(&light, &self.lobe_dfg()).to_array().to_vec()
+    }
+
+    /// The colour of an unlit surface.
+    fn unlit(self) -> Vec<Number<'g>> {
+        self.tint().mul_elements(self.vector("u.base_color")).to_array().to_vec()
+    }
+}
+
+fn gathered(highlight: Highlight<Number<'_>>) -> Vec<Number<'_>> {
+    let mut numbers = highlight.direction.to_array().to_vec();
+    numbers.push(highlight.roughness);
+    numbers
+}
+
+/// The scalars of vectors, one after the other.
+fn flat<'g, const N: usize>(vectors: [Vector<'g>; N]) -> Vec<Number<'g>> {
+    vectors.iter().flat_map(|vector| vector.to_array()).collect()
+}
+
+fn position(position: TablePosition<Number<'_>>) -> Vec<Number<'_>> {
+    vec![position.node, position.across, position.down]
+}

@@ -114,7 +114,7 @@ fn sources(folder: &Path) -> String {
 
 #[test]
 fn documentation_stands_where_the_formula_does() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../taotie/src");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../taotie-engine/src");
     let text = ["shade", "math"].map(|module| sources(&folder.join(module))).concat();
     // There, a sentence may be wrapped over two lines.
     let text = text.replace("\n/// ", " ").replace("\n    /// ", " ");

@@ -1,7 +1,6 @@
 //! Writes the jue as files, for trying out the other subcommands.
 
-use super::output::Output;
-use super::vessel::Vessel;
+use super::{Output, Vessel};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use taotie_engine::image::{Texels, Texture};

@@ -1,8 +1,7 @@
 //! Pictures of the jue by every surface method and every shading model, and a large one.
 
-use super::output::Output;
 use super::stage::{self, Stage};
-use super::vessel::Vessel;
+use super::{Output, Vessel};
 use serde::Serialize;
 use std::path::PathBuf;
 use std::time::Instant;

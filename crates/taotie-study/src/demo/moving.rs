@@ -1,9 +1,8 @@
 //! Shows why the relief of moving surfaces is stored in tangent space: the pouring vessel, drawn with either kind of
 //! map and measured against its relief as geometry under the same skin.
 
-use super::output::Output;
 use super::stage::{self, Stage};
-use super::vessel::Vessel;
+use super::{Output, Vessel};
 use crate::jue::pour::{Eye, POURED, Pouring, RULE, TIP_DEG, Truth, angular_errors};
 use crate::jue::with_relief;
 use serde::Serialize;

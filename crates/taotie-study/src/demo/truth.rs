@@ -1,6 +1,6 @@
 //! Surface methods of the jue, measured against its relief as geometry.
 
-use super::output::Output;
+use super::Output;
 use super::stage::{self, Stage};
 use taotie::comparison::{Comparison, ComparisonOptions, Matching, Subject};
 use taotie_engine::scene::Scene;

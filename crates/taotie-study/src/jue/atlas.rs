@@ -1,4 +1,5 @@
-//! The location of each part of the vessel in the unit square of uvs (origin top left).
+//! The location of each part of the vessel in the unit square of uvs (origin top left), and the ovals of the belly,
+//! whose arc lengths divide its strip.
 //!
 //! ```text
 //! ┌──────────────────────────────────────┐
@@ -14,8 +15,7 @@
 //!
 //! The belly takes up the most space: 5 uv units per metre, 0.1 mm per texel at 2048.
 
-use super::rings;
-use taotie_engine::math::Vec2;
+use taotie_engine::math::{Vec2, Vec3, scalar};
 
 /// uv units per metre on the belly strip; patterns there are drawn in millimetres at this nominal scale.
 pub(super) const STRIP_SCALE: f64 = STRIP_WIDTH / 0.1936;
@@ -59,9 +59,8 @@ pub(super) const LEG_INNER: [Vec2<f64>; 3] =
 
 /// Returns the u of column `j` (0 ..= 16) of the strip, proportional to the arc length around the belly.
 pub(super) fn strip_u(j: usize) -> f64 {
-    let lengths: Vec<f64> = (0..rings::COLUMNS)
-        .map(|k| (rings::ring_point(2, k + 1) - rings::ring_point(2, k)).length())
-        .collect();
+    let lengths: Vec<f64> =
+        (0..COLUMNS).map(|k| (ring_point(2, k + 1) - ring_point(2, k)).length()).collect();
     let total: f64 = lengths.iter().sum();
     STRIP_LEFT + STRIP_WIDTH * lengths[..j].iter().sum::<f64>() / total
 }
@@ -69,4 +68,34 @@ pub(super) fn strip_u(j: usize) -> f64 {
 /// Returns the v at a nominal height above the strip's lower edge, metres.
 pub(super) fn strip_v(height: f64) -> f64 {
     STRIP_BOTTOM - height * STRIP_SCALE
+}
+
+/// The number of columns around the vessel.
+pub(super) const COLUMNS: usize = 16;
+/// Height and half axes along x and z of the four rings of the belly. Metres; +x points to the spout, y up.
+const RINGS: [[f64; 3]; 4] =
+    [[0.0875, 0.0240, 0.0208], [0.1000, 0.0322, 0.0280], [0.1190, 0.0342, 0.0293], [0.1400, 0.0330, 0.0283]];
+
+/// Returns the point of column `j` on ring `i`.
+pub(super) fn ring_point(i: usize, j: usize) -> Vec3<f64> {
+    ellipse(RINGS[i], j)
+}
+
+/// Returns the point of column `j` on an ellipse with this height and these half axes along x and z.
+pub(super) fn ellipse([y, a, b]: [f64; 3], j: usize) -> Vec3<f64> {
+    let (sin, cos) = eighths(j);
+    Vec3::new(-a * cos, y, b * sin)
+}
+
+/// Returns sine and cosine of j/16 of a turn, mirror-symmetric to the last bit.
+fn eighths(j: usize) -> (f64, f64) {
+    let j = j % COLUMNS;
+    let quarter = |k: usize| scalar::sin(std::f64::consts::PI * k as f64 / 8.0);
+    let sin = |j: usize| match j {
+        0..=4 => quarter(j),
+        5..=8 => quarter(8 - j),
+        9..=12 => -quarter(j - 8),
+        _ => -quarter(16 - j),
+    };
+    (if j.is_multiple_of(8) { 0.0 } else { sin(j) }, if j % 8 == 4 { 0.0 } else { sin((j + 4) % COLUMNS) })
 }

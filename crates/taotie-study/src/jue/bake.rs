@@ -1,8 +1,7 @@
 //! The maps of the low-poly mesh: height, normals, colour and the other material values.
 
 use super::relief::{DEPTH, height};
-use super::rounded::Rounded;
-use super::welds::Welds;
+use super::rounded::{Rounded, Welds};
 use super::{atlas, patina};
 use rayon::prelude::*;
 use taotie_engine::bake::{TexelGrid, TexelSurface};
@@ -191,7 +190,7 @@ fn displaced_normal(base: ReliefBase<f64>, relief: Relief<f64>) -> Vec3<f64> {
 }
 
 /// Returns the mesh with its tangents on a map of `size` × `size`, with padding of 1/128 of a side around UV islands.
-pub(super) fn laid_out(mesh: &Mesh, size: u32) -> TexelSurface {
+fn laid_out(mesh: &Mesh, size: u32) -> TexelSurface {
     let grid = TexelGrid { width: size, height: size, uv_set: 0, padding: (size / 128).max(2) };
     TexelSurface::new(with_frames(mesh), &grid).expect("the vessel has uvs, and the map size is valid")
 }
@@ -202,7 +201,7 @@ fn stored(normals: &Image, space: NormalSpace) -> Bitmap {
 }
 
 /// Returns the mesh with the tangents that glTF renderers use if a file has none.
-pub(super) fn with_frames(mesh: &Mesh) -> Mesh {
+fn with_frames(mesh: &Mesh) -> Mesh {
     with_tangents(mesh, 0, TangentMethod::MikkTSpace).expect("the vessel has normals and uvs").mesh
 }
 
@@ -242,4 +241,102 @@ fn transposed(values: &[f32], size: usize) -> Vec<f32> {
         }
     });
     turned
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::jue::{base_color_map, displaced, height_map, low_mesh, normal_map, orm_map};
+    use taotie_engine::compare::angle_deg;
+    use taotie_engine::surface::{decode_normal, tangent_normal};
+
+    /// Returns just the front of the belly, which can be split finely.
+    fn front_of_the_belly() -> Mesh {
+        let mesh = low_mesh();
+        let mut data = mesh.clone().into_data();
+        let [left, right] = [3, 5].map(|j| atlas::strip_u(j) as f32);
+        let [low, high] = [1, 3].map(|i| atlas::strip_v(atlas::STRIP_ROWS[i]) as f32);
+        let inside = |i: &u32| {
+            let uv = mesh.uvs()[0][*i as usize];
+            uv.x > left - 1e-4 && uv.x < right + 1e-4 && uv.y < low + 1e-4 && uv.y > high - 1e-4
+        };
+        data.triangles.retain(|t| t.iter().all(inside));
+        assert_eq!(data.triangles.len(), 8);
+        Mesh::new(data).unwrap()
+    }
+
+    #[test]
+    fn normal_map_agrees_with_the_displaced_surface() {
+        // The finest lines are half a millimetre wide; both sides need to resolve them.
+        const SIZE: u32 = 4096;
+        let low = low_mesh();
+        let surface = laid_out(&low, SIZE);
+        let map = normal_map(SIZE);
+        let taotie_engine::image::Texels::U16(map) = map.texels() else { panic!("expected 16 bits") };
+        let fine = displaced::mesh(&front_of_the_belly(), 0.00006, height);
+        let (mut sum, mut count) = (0.0, 0.0);
+        for (uv, n) in fine.uvs()[0].iter().zip(fine.normals()) {
+            let [x, y] = [uv.x, uv.y].map(|c| c * SIZE as f32);
+            // Only near the centre of a texel, where filtering is not needed.
+            if [x, y].iter().any(|c| (c - c.floor() - 0.5).abs() > 0.08) {
+                continue;
+            }
+            let (x, y) = (x as u32, y as u32);
+            let point = surface.point(x, y).unwrap();
+            let [r, g, b, _] = map[(y * SIZE + x) as usize].map(|c| f64::from(c) / 65535.0);
+            let stored = decode_normal(Vec3::new(r, g, b), 1.0, 1.0);
+            let decoded = tangent_normal(point.normal, point.tangent, point.handedness, stored);
+            sum += angle_deg(decoded, n.to_f64());
+            count += 1.0;
+        }
+        assert!(count > 1000.0);
+        let mean = sum / count;
+        assert!(mean < 1.8, "mean {mean}°");
+    }
+
+    #[test]
+    fn no_island_is_mirrored() {
+        assert!(with_frames(&low_mesh()).tangents().iter().all(|t| t[3] == 1.0));
+    }
+
+    #[test]
+    fn normal_map_is_unit_and_flat_away_from_relief() {
+        let map = normal_map(256);
+        let taotie_engine::image::Texels::U16(texels) = map.texels() else { panic!("expected 16 bits") };
+        let decode = |t: &[u16; 4]| Vec3::new(t[0], t[1], t[2]).map(|c| f32::from(c) / 65535.0 * 2.0 - 1.0);
+        assert!(texels.iter().all(|t| (decode(t).length() - 1.0).abs() < 1e-3 && decode(t).z > 0.0));
+        assert!(decode(&texels[0]).z > 0.9999);
+    }
+
+    #[test]
+    fn maps_do_not_depend_on_the_number_of_threads() {
+        let maps = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| (height_map(200), normal_map(200), base_color_map(200), orm_map(200)))
+        };
+        assert!(maps(1) == maps(3));
+    }
+
+    #[test]
+    fn patina_is_green_and_dull_in_recesses_and_metal_on_edges() {
+        let (color, orm, height) = (base_color_map(1024), orm_map(1024), height_map(1024));
+        let (taotie_engine::image::Texels::U8(color), taotie_engine::image::Texels::U8(orm)) =
+            (color.texels(), orm.texels())
+        else {
+            panic!("expected 8 bits")
+        };
+        let taotie_engine::image::Texels::U16(height) = height.texels() else { panic!("expected 16 bits") };
+        // Rows of the mask's panel.
+        let rows = 1024 * 750..1024 * 900;
+        let mean = |of: &dyn Fn(usize) -> f64, high: bool| {
+            let chosen: Vec<usize> = rows.clone().filter(|i| (height[*i][0] > 40_000) == high).collect();
+            chosen.iter().map(|i| of(*i)).sum::<f64>() / chosen.len() as f64
+        };
+        let green = |i: usize| f64::from(color[i][1]) - f64::from(color[i][0]);
+        let metallic = |i: usize| f64::from(orm[i][2]);
+        let occlusion = |i: usize| f64::from(orm[i][0]);
+        assert!(mean(&green, false) > mean(&green, true) + 10.0);
+        assert!(mean(&metallic, true) > mean(&metallic, false) + 20.0);
+        assert!(mean(&occlusion, true) > mean(&occlusion, false) + 10.0);
+    }
 }

@@ -1,9 +1,10 @@
 //! The relief of the whole vessel as a function of uv.
 
 use super::atlas;
-use super::ground::{belly_thunder, blade, leaf_distance, ringlets, thunder};
 use super::mask::{HALF_WIDTH, HEIGHT, Mask};
-use super::profile::{bump, plateau, smooth};
+use super::patterns::{
+    belly_thunder, blade, bump, from_whole, leaf_distance, plateau, ringlets, smooth, thunder,
+};
 use std::sync::LazyLock;
 use taotie_engine::math::{Vec2, scalar};
 
@@ -170,7 +171,63 @@ fn whorl(post: usize, u: f32, v: f32) -> f32 {
     let button = 0.5 * smooth((0.20 - radius) / 0.08);
     let ring = 0.38 * bump(radius - 0.30, 0.07) + 0.38 * bump(radius - 0.76, 0.07);
     let turn = scalar::atan2(y, x) as f32 / std::f32::consts::TAU;
-    let wave = super::profile::from_whole(5.0 * turn + 1.1 * radius);
+    let wave = from_whole(5.0 * turn + 1.1 * radius);
     let inside = smooth((radius - 0.34) / 0.06) * smooth((0.72 - radius) / 0.06);
     button + ring + 0.36 * inside * smooth((0.30 - wave) / 0.14)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::jue::low_mesh;
+    use std::collections::HashMap;
+
+    #[test]
+    fn relief_is_flat_at_the_borders_of_islands() {
+        let mesh = low_mesh();
+        let mut count: HashMap<(u32, u32), u32> = HashMap::new();
+        let edges = |t: &[u32; 3]| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])];
+        for (a, b) in mesh.triangles().iter().flat_map(edges) {
+            *count.entry((a.min(b), a.max(b))).or_default() += 1;
+        }
+        let uv = |i: u32| mesh.uvs()[0][i as usize];
+        for ((a, b), _) in count.iter().filter(|(_, count)| **count == 1) {
+            for k in 0..=200 {
+                let t = k as f32 / 200.0;
+                let p = uv(*a) + (uv(*b) - uv(*a)) * t;
+                assert_eq!(height(p.x, p.y), 0.0, "at uv {p:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn relief_is_continuous_and_within_its_range() {
+        let mut highest = 0.0_f32;
+        for i in 0..400_000_u32 {
+            let (u, v) = ((i % 1000) as f32 / 1000.0 + 3e-4, (i / 1000) as f32 / 400.0 + 2e-4);
+            let h = height(u, v);
+            assert!((0.0..=1.0).contains(&h));
+            // No bevel is steeper than 1 per 0.15 mm; 2e-5 in u is 4 micrometres on the belly.
+            assert!((height(u + 2e-5, v) - h).abs() < 0.1, "a step at {u} {v}");
+            highest = highest.max(h);
+        }
+        assert!(highest > 0.9);
+    }
+
+    #[test]
+    fn both_faces_bear_the_same_mask_mirrored_about_its_nose() {
+        let [front, back] = [4, 12].map(atlas::strip_u);
+        let mut lit = 0;
+        for i in 0..2000 {
+            let x = (i % 50) as f64 * 0.0043;
+            let v = atlas::strip_v(0.016 + (i / 50) as f64 * 0.0008);
+            let at = |u: f64| height(u as f32, v as f32);
+            let h = at(front + x);
+            // Bevels are slightly offset by f32 uvs.
+            assert!((at(front - x) - h).abs() < 0.02 || x > 0.215, "left and right differ at {x} {v}");
+            assert!((at(back - x) - h).abs() < 0.02, "front and back differ at {x} {v}");
+            lit += usize::from(h > 0.5);
+        }
+        assert!((500..1500).contains(&lit), "{lit} of 2000 samples are raised");
+    }
 }

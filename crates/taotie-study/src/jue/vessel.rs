@@ -4,9 +4,8 @@
 //! place, at the uv seam) pass +z at column 4, the spout at 8 and the handle at 12. The five columns around the spout
 //! continue to a sixth row, its mouth; the column of the tail ends in the tail's tip.
 
-use super::atlas;
+use super::atlas::{self, COLUMNS, ellipse, ring_point};
 use super::builder::{Builder, ROUND, Smooth};
-use super::rings::{COLUMNS, ellipse, ring_point};
 use taotie_engine::math::{Vec2, Vec3};
 
 /// Outside and bottom.

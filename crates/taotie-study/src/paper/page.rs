@@ -1,20 +1,58 @@
-//! The study as a page.
+//! The study as files: a page for people, JSON for machines.
 
-use super::angles::Angle;
-use super::law::Number;
-use super::misprints::Misprint;
-use super::printed::{ANGLES, NORMALS};
-use super::study::{Row, Study};
-use super::words;
+use super::law::{Misprint, Number};
+use super::printed::{ANGLES, Angle, NORMALS};
+use super::{Row, Study, text};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use taotie_engine::Result;
+use taotie_io::FileSet;
 use taotie_report::{Cell, Column, Fact, Page, Section, Tone};
+
+/// Version of the JSON.
+const SCHEMA: u32 = 1;
+
+/// The JSON document.
+#[derive(Serialize)]
+struct Document<'a> {
+    schema: u32,
+    version: &'static str,
+    source: &'static str,
+    law: &'static str,
+    #[serde(flatten)]
+    study: &'a Study,
+}
+
+impl Study {
+    /// Returns the study as JSON, without a trailing newline.
+    pub fn json(&self) -> String {
+        let law = "N = N1 + s · (g/255) · (1, 1, 0), s = 5 for N2 and 50 for N3";
+        let version = env!("CARGO_PKG_VERSION");
+        let document = Document { schema: SCHEMA, version, source: text::SOURCE, law, study: self };
+        serde_json::to_string_pretty(&document).expect("the study has only text keys")
+    }
+
+    /// Writes `paper.html` and `paper.json` to `folder`, which is created if necessary, as files of a set; returns
+    /// the files.
+    ///
+    /// # Errors
+    /// [`taotie_engine::Error::Io`] if the folder cannot be created or written to.
+    pub fn write(&self, set: &FileSet, folder: &Path) -> Result<Vec<PathBuf>> {
+        set.claim_folder(folder)?;
+        let files = ["paper.html", "paper.json"].map(|name| folder.join(name));
+        set.write_text(&files[0], &taotie_report::html(&self.page()))?;
+        set.write_text(&files[1], &format!("{}\n", self.json()))?;
+        Ok(files.into())
+    }
+}
 
 impl Study {
     /// Returns the study as a page.
     pub fn page(&self) -> Page {
         let counts = self.agreeing;
         Page {
-            title: words::title().into(),
-            subtitle: words::SOURCE.into(),
+            title: text::title().into(),
+            subtitle: text::SOURCE.into(),
             notices: Vec::new(),
             facts: vec![
                 Fact::new(
@@ -31,8 +69,8 @@ impl Study {
             ],
             views: Vec::new(),
             sections: vec![
-                Section::Text { title: "Method".into(), paragraphs: words::preface().split_off(1) },
-                Section::Text { title: words::CONCLUSION.into(), paragraphs: words::conclusion(self) },
+                Section::Text { title: "Method".into(), paragraphs: text::preface().split_off(1) },
+                Section::Text { title: text::CONCLUSION.into(), paragraphs: text::conclusion(self) },
                 misprints(self),
                 law(self),
                 normals(self),
@@ -50,7 +88,7 @@ fn mean(degrees: f64) -> String {
 
 fn misprints(study: &Study) -> Section {
     let row = |misprint: &Misprint| {
-        let (printed, corrected) = words::numbers(misprint);
+        let (printed, corrected) = text::numbers(misprint);
         let mark = |text, tone| Cell::Mark { text, tone, why: String::new() };
         vec![
             Cell::number(f64::from(misprint.table), 0),
@@ -62,7 +100,7 @@ fn misprints(study: &Study) -> Section {
         ]
     };
     Section::Table {
-        title: words::MISPRINTS.into(),
+        title: text::MISPRINTS.into(),
         note: String::new(),
         columns: vec![
             Column::numbers("table", ""),
@@ -84,7 +122,7 @@ fn law(study: &Study) -> Section {
     };
     let names = ["row", "g of N2.x", "g of N2.y", "g of N3.x", "g of N3.y", "g", "agreeing numbers of 9"];
     Section::Table {
-        title: words::LAW.into(),
+        title: text::LAW.into(),
         note: "The g that follows from each individual number, and the g that agrees with most numbers of the row."
             .into(),
         columns: names.map(|name| Column::numbers(name, "")).into(),
@@ -97,7 +135,7 @@ fn normals(study: &Study) -> Section {
     let names = ["printed x", "y", "z", "recomputed x", "y", "z"];
     columns.extend(names.map(|name| Column::numbers(name, "")));
     Section::Table {
-        title: words::TABLE_2.into(),
+        title: text::TABLE_2.into(),
         note: "N1 is the mesh normal, N2 and N3 those of bump with s = 5 and 50, N4 that of the paper's own method."
             .into(),
         columns,
@@ -148,8 +186,8 @@ fn angles(study: &Study) -> Section {
         Column::words("follows from N1 and g"),
     ];
     Section::Table {
-        title: words::TABLE_3.into(),
-        note: words::counts(study),
+        title: text::TABLE_3.into(),
+        note: text::counts(study),
         columns,
         rows: study.rows.iter().flat_map(|row| (0..3).map(|which| row_of_angle(row, which))).collect(),
     }
@@ -161,9 +199,9 @@ fn row_of_angle(row: &Row, which: usize) -> Vec<Cell> {
         Cell::number(row.row as f64, 0),
         Cell::text(ANGLES[which]),
         Cell::number(before.printed, 2),
-        Cell::text(words::prints(before)),
+        Cell::text(text::prints(before)),
         agreement(before, before),
-        Cell::text(words::prints(after)),
+        Cell::text(text::prints(after)),
         agreement(before, after),
         Cell::text(row.explained.get(which).map_or("–", |explained| if *explained { "yes" } else { "no" })),
     ]
@@ -176,5 +214,24 @@ fn agreement(printed: &Angle, angle: &Angle) -> Cell {
         (true, true) => mark("agrees".into(), Tone::Good),
         (true, false) => mark(format!("agrees with {:.2}", angle.printed), Tone::Changed),
         (false, _) => mark("differs".into(), Tone::Bad),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_files_contain_the_study_and_a_folder_that_cannot_be_created_is_an_error() {
+        let folder = tempfile::tempdir().unwrap();
+        let study = Study::new();
+        let files = FileSet::one(|set| study.write(set, &folder.path().join("made"))).unwrap();
+        let [page, json] = [0, 1].map(|i| std::fs::read_to_string(&files[i]).unwrap());
+        assert!(page.contains("<title>Guo and Wang 2025, Tables 2 and 3, recomputed</title>"));
+        let read: serde_json::Value = serde_json::from_str(&json).unwrap();
+        assert_eq!((read["schema"].as_u64(), read["source"].as_str()), (Some(1), Some(text::SOURCE)));
+        assert_eq!(read["misprints"].as_array().unwrap().len(), study.misprints.len());
+        let error = study.write(&FileSet::new(), &files[0].join("below")).unwrap_err().to_string();
+        assert!(error.contains("paper.html"), "{error}");
     }
 }

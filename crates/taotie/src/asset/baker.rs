@@ -1,6 +1,6 @@
 //! From a scan to an asset.
 
-use super::ask::{AUTO_SIZE, BakeOptions, Packing, note_unread_options};
+use super::ask::{BakeOptions, Packing, note_unread_options};
 use super::bake::{
     Asset, BakePlan, Coarser, LevelLook, Made, MadeAsset, MemoryEstimate, Part, Recipe, Rounding, StoredMaps,
     Trial, bake_maps, judgement, side_shortfall,
@@ -22,7 +22,7 @@ use taotie_io::{Bytes, FileSet, Limits};
 ///
 /// ```
 /// use std::sync::Arc;
-/// use taotie_engine::Progress;
+/// use taotie::Progress;
 /// use taotie::asset::{BakeOptions, Baker, MeshSource, Scan};
 /// use taotie_engine::mesh::Mesh;
 ///
@@ -32,7 +32,7 @@ use taotie_io::{Bytes, FileSet, Limits};
 /// let asset = baker.bake(scan, Progress::SILENT)?;
 /// assert_eq!((asset.size(), asset.levels().count()), ([64, 64], 1));
 /// assert!(asset.textures().normal.is_some());
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug, Clone, Default)]
 pub struct Baker {
@@ -56,7 +56,7 @@ impl Baker {
     /// mesh or the cage was read from. Without it, [`Asset::write`] refuses them afterwards.
     ///
     /// ```
-    /// use taotie_engine::Progress;
+    /// use taotie::Progress;
     /// use taotie::asset::{Baker, Scan};
     /// use taotie_io::FileSet;
     ///
@@ -69,7 +69,7 @@ impl Baker {
     /// files.claim(&path)?;
     /// let error = Baker::default().with_files(&files).bake(&scan, Progress::SILENT).unwrap_err();
     /// assert!(error.to_string().contains("overwrite the input"));
-    /// # Ok::<(), taotie_engine::Error>(())
+    /// # Ok::<(), taotie::Error>(())
     /// ```
     pub fn with_files(self, files: &FileSet) -> Self {
         Self { files: Some(files.clone()), ..self }
@@ -179,7 +179,7 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
     let materials = given.as_ref().map_or(1, GivenMesh::material_count);
     MemoryEstimate { materials, ..need_of(asked, scan) }.check(limits)?;
     let looks = given.as_ref().map_or_else(Vec::new, GivenMesh::looks);
-    if asked.size == AUTO_SIZE {
+    if asked.size == BakeOptions::AUTO_SIZE {
         side_shortfall(about.size.detail_side).into_iter().for_each(|what| warnings.note(what, 1));
     }
     let asked = &asked.sized(about.size);

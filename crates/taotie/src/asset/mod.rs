@@ -1,19 +1,18 @@
 //! From a scan to an asset and its proof: the whole workflow of the command.
 //!
 //! ```no_run
-//! use taotie_engine::Progress;
-//! use taotie::asset::{BakeOptions, Baker, Limits, Packing, Requirement, Scan, VerifyOptions};
+//! use taotie::Progress;
+//! use taotie::asset::{BakeOptions, Baker, Packing, Requirement, Scan, VerifyOptions};
+//! use taotie::Limits;
 //!
-//! # fn main() -> taotie_engine::Result<()> {
+//! # fn main() -> taotie::Result<()> {
 //! let progress = Progress::SILENT;
 //! let scan = Scan::read("scan.ply", &Limits::default(), progress)?;
 //! let baker = Baker::new(BakeOptions { triangles: 20_000, size: 1024, ..BakeOptions::default() });
 //! let asset = baker.bake(&scan, progress)?;
 //! let written = asset.write("scan.glb", &Packing::default(), progress)?;
 //! let proof = written.verify(scan, &VerifyOptions::default(), progress)?;
-//! for met in proof.require(&[Requirement::mean_angle_deg(2.0)]) {
-//!     assert!(met.met, "{met:?}");
-//! }
+//! proof.require(&[Requirement::mean_angle_deg(2.0)])?;
 //! # Ok(())
 //! # }
 //! ```
@@ -44,19 +43,15 @@ mod source;
 mod write;
 
 pub use ask::{
-    AUTO_SIZE, BakeOptions, Figure, FigureUnit, Lod, Looking, MeshSource, Packing, Preset, RayDistance,
-    Requirement,
+    BakeOptions, Figure, FigureUnit, Lod, Looking, MeshSource, Packing, Preset, RayDistance, Requirement,
 };
-pub use bake::{
-    Asset, DroppedProperty, MapPresence, MemoryEstimate, Misses, Range, SeparateMap, Textures, Trial,
-};
+pub use bake::{Asset, MapPresence, MemoryEstimate, Misses, Range, SeparateMap, Textures, Trial};
 pub use baker::Baker;
 pub use proof::{
-    BIN_WIDTH, BakeFigures, Beyond, Certificate, Coverage, FLOOR_8_BIT, Figures, FitFigures, HashedFile,
-    HashedMap, KeyFigure, LevelFigures, MaterialFigures, PartFigures, PartFlip, PartKind, PatchPictures,
-    Proof, ProofOptions, ProvedFile, Report, RequirementOutcome, Resolution, Signature, StageTime, Verdict,
-    VerifyOptions, ViewFigures, Views, Warning, WorstParts, WorstPatches, measure, verify,
+    BakeFigures, Beyond, Certificate, Coverage, Figures, HashedFile, HashedMap, KeyFigure, LevelFigures,
+    MaterialFigures, PartFigures, PartFlip, PartKind, PatchPictures, Proof, ProofOptions, ProvedFile, Report,
+    RequirementOutcome, Resolution, Signature, StageTime, Verdict, VerifyOptions, ViewFigures, Views,
+    WorstParts, measure, verify,
 };
 pub use source::{Origin, Scan, ScanFile, ScanOptions, ScanSize, Simplification, into_metres};
-pub use taotie_io::{Bytes, Limits};
-pub use write::{MapNote, Parameters, WrittenAsset, model_unit};
+pub use write::{Parameters, WrittenAsset, model_unit};

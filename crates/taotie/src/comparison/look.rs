@@ -126,7 +126,7 @@ fn samples_of([x, y]: [u32; 2], per_side: u32) -> impl Iterator<Item = [u32; 2]>
 ///
 /// assert_eq!(Matching::from_name("uv")?, Matching::Uv);
 /// assert!(Matching::Uv.rule().contains("point of the same uv"));
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]

@@ -9,7 +9,7 @@
 //! use taotie_engine::surface::SurfaceMethod;
 //! use taotie::Progress;
 //!
-//! # fn main() -> taotie_engine::Result<()> {
+//! # fn main() -> taotie::Result<()> {
 //! let low = taotie_io::load_model("low.glb".as_ref())?.scene;
 //! let high = taotie_io::load_model("scan.ply".as_ref())?.scene;
 //! let subject = Subject::new("low.glb", &low).with_reference("scan.ply", &high);
@@ -33,12 +33,9 @@ mod surfaces;
 pub use look::Matching;
 pub use options::{ComparisonOptions, Method, SamplePoints};
 pub use parameters::{Parameters, Rules};
-pub use report::{
-    CountedWarning, ErrorReport, MethodReport, MethodTime, ModelReport, PictureFigures, PictureReport,
-    PointNormal, PointReport, Report,
-};
-pub use subject::{NamedScene, Subject, SubjectReport, dress_reference};
-pub use surfaces::{Difference, ModelDifference, PictureDifference, RenderedSurface, SkippedMethod};
+pub use report::{MethodReport, MethodTime, ModelReport, PictureFigures, PointNormal, PointReport, Report};
+pub use subject::{NamedScene, Subject, SubjectReport};
+pub use surfaces::{Difference, RenderedSurface, SkippedMethod};
 
 use look::Look;
 use relief::Relief;
@@ -52,7 +49,7 @@ use taotie_engine::surface::SurfaceMethod;
 /// A model rendered by several surface methods, with images and angles: see [`Comparison::of`].
 ///
 /// ```
-/// use taotie_engine::Progress;
+/// use taotie::Progress;
 /// use taotie::comparison::{Comparison, ComparisonOptions, Method, Subject};
 /// use taotie_engine::mesh::Mesh;
 /// use taotie_engine::render::RenderSettings;
@@ -69,7 +66,7 @@ use taotie_engine::surface::SurfaceMethod;
 /// assert_eq!(comparison.against(), "facet");
 /// let degrees = comparison.report().method("smooth").and_then(|method| method.inner_mean());
 /// assert!(degrees.is_some_and(|degrees| (1.0..11.0).contains(&degrees)), "{degrees:?}");
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug, Clone)]
 #[non_exhaustive]

@@ -4,6 +4,7 @@ use super::Comparison;
 use super::parameters::{Parameters, Rules};
 use super::subject::SubjectReport;
 use super::surfaces::{Difference, ModelDifference, PictureDifference, RenderedSurface, SkippedMethod};
+use taotie_engine::Warning;
 use taotie_engine::compare::{self, Summary};
 use taotie_engine::image::Image;
 use taotie_engine::math::Vec3;
@@ -48,7 +49,7 @@ pub struct Report {
     /// The duration of each of `methods`: all that differs from run to run.
     pub times: Vec<MethodTime>,
     /// Counts of what could not be rendered as requested.
-    pub warnings: Vec<CountedWarning>,
+    pub warnings: Vec<Warning>,
 }
 
 /// A completed method, and how long its images took.
@@ -69,26 +70,6 @@ pub struct MethodTime {
     pub method: String,
     /// The time from scene to all its images.
     pub milliseconds: f64,
-}
-
-/// A kind of warning.
-///
-/// ```
-/// use taotie::comparison::Report;
-///
-/// /// Returns the warnings, one per line.
-/// fn warnings(report: &Report) -> Vec<String> {
-///     let warnings = report.warnings.iter();
-///     warnings.map(|warning| format!("{} × {}", warning.count, warning.what)).collect()
-/// }
-/// ```
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[non_exhaustive]
-pub struct CountedWarning {
-    /// The number of times it was seen.
-    pub count: usize,
-    /// The fault.
-    pub what: String,
 }
 
 /// One method's figures.
@@ -144,16 +125,6 @@ pub struct ModelReport {
 }
 
 /// Angular error, degrees.
-///
-/// ```
-/// use taotie::comparison::ErrorReport;
-///
-/// /// Returns the fraction of matched pixels whose normal is off by less than `degrees`.
-/// fn part_below(error: &ErrorReport, degrees: usize) -> f64 {
-///     let below: u64 = error.histogram.iter().take(degrees).sum();
-///     below as f64 / error.histogram.iter().sum::<u64>().max(1) as f64
-/// }
-/// ```
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct ErrorReport {
@@ -168,15 +139,6 @@ pub struct ErrorReport {
 }
 
 /// A shaded image, and its difference if there is one.
-///
-/// ```
-/// use taotie::comparison::{MethodReport, PictureReport};
-///
-/// /// Returns a method's image under a reflectance model, such as `ggx`.
-/// fn under<'a>(method: &'a MethodReport, shading: &str) -> Option<&'a PictureReport> {
-///     method.pictures.iter().find(|picture| picture.shading == shading)
-/// }
-/// ```
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct PictureReport {
@@ -258,7 +220,6 @@ pub struct PointNormal {
 impl Comparison {
     /// Returns the figures as plain data.
     pub fn report(&self) -> Report {
-        let warning = |(what, count): (&str, usize)| CountedWarning { count, what: what.into() };
         Report {
             subject: self.subject.clone(),
             against: self.against(),
@@ -270,7 +231,7 @@ impl Comparison {
             points: self.points.iter().map(|pixel| point_report(*pixel, self)).collect(),
             notes: self.notes.clone(),
             times: self.surfaces.iter().map(method_time).collect(),
-            warnings: self.warnings.iter().map(warning).collect(),
+            warnings: self.warnings.list(),
         }
     }
 }

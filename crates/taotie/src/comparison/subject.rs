@@ -16,7 +16,7 @@ const TOLERANCE: f64 = 0.05;
 /// let ball = Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default())?;
 /// let model = NamedScene { name: "low.glb", scene: &ball };
 /// assert_eq!(Subject { model, reference: None }.report().model, "low.glb");
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy)]
 pub struct NamedScene<'a> {
@@ -37,7 +37,7 @@ pub struct NamedScene<'a> {
 /// let high = Scene::of_mesh(Mesh::sphere(1.0, 256, 128), Material::default())?;
 /// let subject = Subject::new("low.glb", &low).with_reference("scan.ply", &high);
 /// assert_eq!(subject.reference.map(|reference| reference.name), Some("scan.ply"));
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Subject<'a> {
@@ -58,7 +58,7 @@ pub struct Subject<'a> {
 /// let report = Subject::new("ball", &ball).report();
 /// assert_eq!((report.model.as_str(), report.triangles), ("ball", 960));
 /// assert!(report.reference.is_none());
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
@@ -106,35 +106,35 @@ impl<'a> Subject<'a> {
             warnings.note(format!("{}: {what} {percent:.0} % of its diagonal: {advice}", reference.name), 1);
         }
     }
-}
 
-/// Gives materials of a reference that are all defaults the factors of the model's first, so that both match.
-///
-/// ```
-/// # use taotie_engine::mesh::Mesh;
-/// # use taotie_engine::scene::{Material, Scene};
-/// use taotie::comparison::dress_reference;
-///
-/// let metal = Material { metallic: 1.0, ..Material::default() };
-/// let model = Scene::of_mesh(Mesh::sphere(1.0, 24, 12), metal)?;
-/// let mut reference = Scene::of_mesh(Mesh::sphere(1.0, 256, 128), Material::default())?;
-/// dress_reference(&mut reference, &model)?;
-/// assert_eq!(reference.materials()[0].metallic, 1.0);
-/// # Ok::<(), taotie_engine::Error>(())
-/// ```
-///
-/// # Errors
-/// Only if the model's factors are invalid, which they are not in a validated scene.
-pub fn dress_reference(reference: &mut Scene, model: &Scene) -> Result<()> {
-    let Some(first) = model.materials().first() else { return Ok(()) };
-    reference.edit(|reference| {
-        for material in &mut reference.materials {
-            let silent = Material { name: material.name.clone(), ..Material::default() };
-            if *material == silent {
-                *material = without_textures(first);
+    /// Gives materials of a reference that are all defaults the factors of the model's first, so that both match.
+    ///
+    /// ```
+    /// # use taotie_engine::mesh::Mesh;
+    /// # use taotie_engine::scene::{Material, Scene};
+    /// use taotie::comparison::Subject;
+    ///
+    /// let metal = Material { metallic: 1.0, ..Material::default() };
+    /// let model = Scene::of_mesh(Mesh::sphere(1.0, 24, 12), metal)?;
+    /// let mut reference = Scene::of_mesh(Mesh::sphere(1.0, 256, 128), Material::default())?;
+    /// Subject::dress_reference(&mut reference, &model)?;
+    /// assert_eq!(reference.materials()[0].metallic, 1.0);
+    /// # Ok::<(), taotie::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Only if the model's factors are invalid, which they are not in a validated scene.
+    pub fn dress_reference(reference: &mut Scene, model: &Scene) -> Result<()> {
+        let Some(first) = model.materials().first() else { return Ok(()) };
+        reference.edit(|reference| {
+            for material in &mut reference.materials {
+                let silent = Material { name: material.name.clone(), ..Material::default() };
+                if *material == silent {
+                    *material = without_textures(first);
+                }
             }
-        }
-    })
+        })
+    }
 }
 
 fn without_textures(material: &Material) -> Material {

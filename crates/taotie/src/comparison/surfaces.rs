@@ -46,18 +46,6 @@ pub struct RenderedSurface {
 }
 
 /// The difference that a reflectance model makes to the image of one surface.
-///
-/// ```
-/// use taotie::comparison::{ModelDifference, RenderedSurface};
-/// use taotie_engine::names::Named;
-///
-/// /// Returns the reflectance model easiest to distinguish from the baseline.
-/// fn most_visible(surface: &RenderedSurface) -> Option<&'static str> {
-///     let mean = |model: &ModelDifference| model.picture.flip.summary().map_or(0.0, |flip| flip.mean);
-///     let models = surface.model_differences.iter();
-///     Some(models.max_by(|a, b| mean(a).total_cmp(&mean(b)))?.shading.name())
-/// }
-/// ```
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct ModelDifference {
@@ -91,16 +79,6 @@ pub struct Difference {
 }
 
 /// The difference of two developed images.
-///
-/// ```
-/// use taotie::comparison::PictureDifference;
-///
-/// /// Returns `true` if an observer sees hardly any difference.
-/// fn are_alike(difference: &PictureDifference) -> bool {
-///     let flip = difference.flip.summary();
-///     difference.ssim > 0.99 && flip.is_some_and(|flip| flip.mean < 0.01)
-/// }
-/// ```
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct PictureDifference {

@@ -58,15 +58,6 @@ pub struct MaterialReport {
 }
 
 /// Parameters of the classic models specified in the file.
-///
-/// ```
-/// use taotie::inspection::ClassicReport;
-///
-/// /// Returns `true` if the file specifies parameters of Phong's model.
-/// fn is_for_phong(classic: &ClassicReport) -> bool {
-///     classic.specular.is_some() && classic.shininess.is_some()
-/// }
-/// ```
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct ClassicReport {
@@ -226,15 +217,6 @@ pub struct LayersReport {
 }
 
 /// The strength of the dielectric part's reflection.
-///
-/// ```
-/// use taotie::inspection::SpecularReport;
-///
-/// /// Returns `true` if the dielectric part reflects nothing.
-/// fn is_dull(specular: &SpecularReport) -> bool {
-///     specular.factor == 0.0 || specular.color == [0.0; 3]
-/// }
-/// ```
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct SpecularReport {
@@ -285,15 +267,6 @@ pub struct AnisotropyReport {
 }
 
 /// A sheen layer.
-///
-/// ```
-/// use taotie::inspection::SheenReport;
-///
-/// /// Returns the brightest channel of the sheen.
-/// fn brightest(sheen: &SheenReport) -> f32 {
-///     sheen.color.into_iter().fold(0.0, f32::max)
-/// }
-/// ```
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct SheenReport {

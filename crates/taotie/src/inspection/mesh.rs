@@ -46,7 +46,7 @@ pub struct MeshReport {
 /// The kind of normals that a mesh has.
 ///
 /// ```
-/// # use taotie_engine::Warnings;
+/// # use taotie::Warnings;
 /// # use taotie::inspection::{Inspection, Normals};
 /// # use taotie_io::Loaded;
 /// # use taotie_engine::mesh::Mesh;
@@ -54,7 +54,7 @@ pub struct MeshReport {
 /// let ball = Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default())?;
 /// let inspection = Inspection::of(&Loaded::new(ball, Warnings::default(), "glTF"));
 /// assert_eq!(inspection.meshes[0].normals, Normals::Smooth);
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -248,15 +248,6 @@ fn angle(a: Vec3, b: Vec3) -> f64 {
 }
 
 /// The faults of a uv set.
-///
-/// ```
-/// use taotie::inspection::UvHealth;
-///
-/// /// Returns `true` if maps can be baked onto this uv set.
-/// fn can_be_baked_onto(uvs: &UvHealth) -> bool {
-///     uvs.outside == 0.0 && uvs.degenerate == 0
-/// }
-/// ```
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct UvHealth {

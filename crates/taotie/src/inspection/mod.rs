@@ -9,7 +9,7 @@
 //!         println!("{material}: green points {by_pixels:?}");
 //!     }
 //! }
-//! # Ok::<(), taotie_engine::Error>(())
+//! # Ok::<(), taotie::Error>(())
 //! ```
 
 mod audit;
@@ -17,10 +17,9 @@ mod material;
 mod mesh;
 mod report;
 
-pub use audit::{Audit, AuditSchema, Check, CheckResult, CheckStatus, ProductInfo, audit_bytes};
+pub use audit::{Audit, AuditSchema, Check, CheckStatus, ProductInfo};
 pub use material::{
-    AnisotropyReport, ClassicReport, ClearcoatReport, LayersReport, MaterialReport, NormalMapReport, Pixels,
-    SheenReport, SpecularReport, TextureReport,
+    AnisotropyReport, ClearcoatReport, LayersReport, MaterialReport, NormalMapReport, Pixels, TextureReport,
 };
-pub use mesh::{Agreement, MeshReport, Normals, TangentHealth, UvHealth};
-pub use report::{AnimationReport, Counted, Counts, Extent, Hint, Inspection, Listed};
+pub use mesh::{Agreement, MeshReport, Normals, TangentHealth};
+pub use report::{AnimationReport, Counts, Extent, Hint, Inspection, Listed};

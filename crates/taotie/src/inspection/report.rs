@@ -3,7 +3,7 @@
 
 use super::material::{MaterialReport, Materials};
 use super::mesh::{self, MeshReport};
-use taotie_engine::error::Warnings;
+use taotie_engine::error::{Warning, Warnings};
 pub use taotie_engine::render::{SurfaceSettings, foreseen_warnings};
 use taotie_engine::scene::animation::Animation;
 use taotie_engine::scene::{Camera, GreenChannel, Light, LightKind, NormalSpace, Projection, Scene};
@@ -18,7 +18,7 @@ pub use taotie_io::{GltfSizes, Loaded, XmpEvent, xmp_history, xmp_rights, xmp_so
 /// let inspection = Inspection::of(&taotie_io::load_model("statue.glb".as_ref())?);
 /// let broken = inspection.meshes.iter().filter(|mesh| mesh.zero_area_triangles > 0);
 /// println!("{} of {} meshes have triangles without area", broken.count(), inspection.counts.meshes);
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
@@ -61,13 +61,13 @@ pub struct Inspection {
     /// glTF extensions that the file requires.
     pub extensions_required: Vec<String>,
     /// Faults that would be ignored or corrected when the model is rendered.
-    pub warnings: Vec<Counted>,
+    pub warnings: Vec<Warning>,
 }
 
 /// The number of objects of each kind.
 ///
 /// ```
-/// # use taotie_engine::Warnings;
+/// # use taotie::Warnings;
 /// # use taotie::inspection::Inspection;
 /// # use taotie_io::Loaded;
 /// # use taotie_engine::mesh::Mesh;
@@ -75,7 +75,7 @@ pub struct Inspection {
 /// let ball = Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default())?;
 /// let counts = Inspection::of(&Loaded::new(ball, Warnings::default(), "glTF")).counts;
 /// assert_eq!((counts.meshes, counts.triangles, counts.textures), (1, 960, 0));
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
@@ -105,7 +105,7 @@ pub struct Counts {
 /// An axis-aligned box in world space, model units.
 ///
 /// ```
-/// # use taotie_engine::Warnings;
+/// # use taotie::Warnings;
 /// # use taotie::inspection::Inspection;
 /// # use taotie_io::Loaded;
 /// # use taotie_engine::mesh::Mesh;
@@ -113,7 +113,7 @@ pub struct Counts {
 /// let ball = Scene::of_mesh(Mesh::sphere(2.0, 32, 16), Material::default())?;
 /// let bounds = Inspection::of(&Loaded::new(ball, Warnings::default(), "glTF")).bounds;
 /// assert_eq!(bounds.map(|bounds| bounds.size), Some([4.0; 3]));
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
@@ -166,30 +166,6 @@ pub struct AnimationReport {
     pub channels: usize,
     /// The keyframes of all channels.
     pub keyframes: usize,
-}
-
-/// A warning.
-///
-/// ```
-/// # use taotie_engine::Warnings;
-/// # use taotie::inspection::Inspection;
-/// # use taotie_io::Loaded;
-/// # use taotie_engine::mesh::Mesh;
-/// # use taotie_engine::scene::{Material, Scene};
-/// let ball = Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default())?;
-/// let mut read = Warnings::default();
-/// read.note("unknown extensions", 2);
-/// let inspection = Inspection::of(&Loaded::new(ball, read, "glTF"));
-/// assert!(inspection.warnings.iter().any(|w| w.what == "unknown extensions" && w.count == 2));
-/// # Ok::<(), taotie_engine::Error>(())
-/// ```
-#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
-#[non_exhaustive]
-pub struct Counted {
-    /// A description of the fault.
-    pub what: String,
-    /// The number of times.
-    pub count: usize,
 }
 
 impl Inspection {
@@ -285,13 +261,13 @@ fn named_camera(camera: &Camera) -> Listed {
 }
 
 /// Returns all warnings from reading and rendering.
-fn warnings(loaded: &Loaded) -> Vec<Counted> {
+fn warnings(loaded: &Loaded) -> Vec<Warning> {
     let mut all: Warnings = loaded.warnings.clone();
     match foreseen_warnings(&loaded.scene, &SurfaceSettings::default()) {
         Ok(found) => all.absorb(found),
         Err(error) => all.note(format!("it cannot be rendered: {error}"), 1),
     }
-    all.iter().map(|(what, count)| Counted { what: what.to_owned(), count }).collect()
+    all.list()
 }
 
 /// The mean angle from MikkTSpace's tangents that is worth a hint, in degrees.

@@ -1,6 +1,5 @@
 //! Environment light: the built-in studio or a file, rotated, scaled, and cached after filtering.
 
-use super::parse::MOST;
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -9,6 +8,7 @@ use taotie_engine::image::Image;
 use taotie_engine::render::EnvironmentLight;
 use taotie_engine::scene::Light;
 use taotie_engine::shade::environment::{ENVIRONMENT_VERSION, Environment, STUDIO_VERSION, studio};
+use taotie_io::parse::MOST;
 use taotie_io::{Limits, cache, decode_environment_within, read_bytes};
 
 /// The names of the built-in studio and of the absence of an environment.
@@ -18,13 +18,13 @@ const NONE: &str = "none";
 /// The source of the environment light.
 ///
 /// ```no_run
-/// use taotie_engine::Warnings;
+/// use taotie::Warnings;
 /// use taotie::studio::{EnvironmentOptions, EnvironmentSource};
 ///
 /// let source = Some(EnvironmentSource::Studio);
 /// let options = EnvironmentOptions { source, rotation: 0.5, ..EnvironmentOptions::default() };
 /// let light = options.load(&mut Warnings::default())?;
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -71,12 +71,12 @@ impl EnvironmentSource {
 /// Requested environment light.
 ///
 /// ```
-/// use taotie_engine::Warnings;
+/// use taotie::Warnings;
 /// use taotie::studio::EnvironmentOptions;
 ///
 /// let light = EnvironmentOptions::default().load(&mut Warnings::default())?;
 /// assert!(light.is_none());
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default)]

@@ -1,7 +1,6 @@
 //! The lighting of a scene: the requested lights, each written as one line of text, else the file's, else key, fill
 //! and rim.
 
-use super::parse;
 use super::viewpoint::View;
 use std::collections::BTreeMap;
 use std::str::FromStr;
@@ -9,6 +8,7 @@ use taotie_engine::error::{Error, Result};
 use taotie_engine::math::Vec3;
 use taotie_engine::render::{EnvironmentLight, Lighting};
 use taotie_engine::scene::{Falloff, Light, LightKind, Scene, from_view, three_point_rig};
+use taotie_io::parse;
 
 /// Default ambient radiance without lights: a dim room.
 const ROOM: f32 = 0.12;
@@ -20,7 +20,7 @@ const ROOM: f32 = 0.12;
 ///
 /// let raking = LightOptions { lights: vec!["directional from=-75,10 strength=4".parse()?], ..LightOptions::default() };
 /// assert_eq!(raking.lights.len(), 1);
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default)]
@@ -88,7 +88,7 @@ const DEFAULT_ANGLE: f64 = 30.0;
 /// let lamp: LightSpec = "point at=1,2,3 strength=2".parse()?;
 /// assert_eq!(lamp.color.to_array(), [2.0; 3]);
 /// assert!("point strength=2".parse::<LightSpec>().is_err());
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct LightSpec {
@@ -110,7 +110,7 @@ pub struct LightSpec {
 /// assert_eq!(lamp.form, LightForm::Point { position: Vec3::new(1.0, 2.0, 3.0) });
 /// let key = LightForm::FromView { azimuth: 90f64.to_radians(), elevation: 0.0 };
 /// assert_eq!("directional from=90,0".parse::<LightSpec>()?.form, key);
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]

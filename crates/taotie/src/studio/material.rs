@@ -21,7 +21,7 @@ use taotie_io::Limits;
 /// let bronze = MaterialOptions { material: Some("bronze".into()), ..MaterialOptions::default() };
 /// bronze.apply(&mut scene)?;
 /// assert_eq!(scene.materials()[0].metallic, 1.0);
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default)]
@@ -94,7 +94,7 @@ fn point_down(scene: &mut SceneData) {
 /// let mut scene = Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default())?;
 /// old_bronze.apply(&mut scene)?;
 /// assert_eq!(scene.materials()[0].roughness, 0.6);
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug, Clone, Default)]
 pub struct MaterialFile {

@@ -3,20 +3,14 @@
 //! Options are plain structs: `Default` with fields set by hand. Angles are radians and lengths model units.
 //!
 //! ```no_run
-//! use taotie_engine::render::{RenderSettings, Shot, render};
-//! use taotie::studio::{self, CameraOptions, Framing, LightOptions, MaterialOptions, Viewpoint};
+//! use taotie::studio::{self, MaterialOptions};
+//! use taotie::{Limits, Picture, RenderSettings};
 //!
-//! # fn main() -> taotie_engine::Result<()> {
 //! let bronze = MaterialOptions { material: Some("bronze".into()), ..MaterialOptions::default() };
-//! let scene = studio::load("vessel.glb".as_ref(), &bronze)?.scene;
-//! let framing = Framing { size: [800, 600], all_around: false };
-//! let viewpoint = Viewpoint::choose(&CameraOptions::default(), framing, &scene)?;
-//! let view = viewpoint.at(0.0);
-//! let lighting = LightOptions::default().lighting(None, &scene, view);
+//! let scene = studio::load("vessel.glb".as_ref(), &bronze, &Limits::default())?.scene;
 //! let settings = RenderSettings { width: 800, height: 600, ..RenderSettings::default() };
-//! let frame = render(&scene, &Shot { camera: &view.camera(), lighting: &lighting, settings: &settings })?;
-//! # Ok(())
-//! # }
+//! Picture { settings, ..Picture::default() }.write(&scene, "vessel.png".as_ref())?;
+//! # Ok::<(), taotie::Error>(())
 //! ```
 
 mod environment;
@@ -25,7 +19,7 @@ mod material;
 mod motion;
 mod overrides;
 mod parameters;
-pub mod parse;
+mod picture;
 mod viewpoint;
 
 pub use environment::{EnvironmentOptions, EnvironmentSource};
@@ -33,46 +27,30 @@ pub use lights::{LightForm, LightOptions, LightSpec};
 pub use material::{MaterialFile, MaterialOptions};
 pub use motion::{Motion, Sequence, SequenceFrame};
 pub use overrides::{MapOptions, MaterialFactors};
-pub use parameters::{
-    CameraParameters, FalloffParameters, LightKindParameters, LightParameters, ProjectionParameters,
-};
+pub use parameters::{CameraParameters, LightParameters};
+pub use picture::Picture;
 pub use viewpoint::{CameraOptions, Framing, View, Viewpoint};
 
 use std::path::Path;
 use taotie_engine::error::{Error, Result};
-use taotie_io::{Limits, Loaded};
+use taotie_io::{Limits, Loaded, parse};
 
-/// Reads a model, chooses the requested variant, and applies the material options.
+/// Reads a model within limits, chooses the requested variant, and applies the material options.
 ///
 /// ```no_run
+/// use taotie::Limits;
 /// use taotie::studio::{self, MaterialOptions};
 ///
 /// let clay = MaterialOptions { material: Some("clay".into()), ..MaterialOptions::default() };
-/// let scene = studio::load("vessel.glb".as_ref(), &clay)?.scene;
-/// # Ok::<(), taotie_engine::Error>(())
+/// let limits = Limits { memory: Some("2G".parse()?), ..Limits::default() };
+/// let scene = studio::load("vessel.glb".as_ref(), &clay, &limits)?.scene;
+/// # Ok::<(), taotie::Error>(())
 /// ```
 ///
 /// # Errors
 /// The reader's, those of the maps and the material, and [`Error::Invalid`] if all triangles are at one point or the
 /// size is not between 1e-18 and 1e18 model units.
-pub fn load(path: &Path, options: &MaterialOptions) -> Result<Loaded> {
-    load_within(path, options, &Limits::default())
-}
-
-/// Reads a model like [`load`], within limits.
-///
-/// ```no_run
-/// use taotie::asset::Limits;
-/// use taotie::studio::{self, MaterialOptions};
-///
-/// let limits = Limits { memory: Some("2G".parse()?), ..Limits::default() };
-/// let scene = studio::load_within("vessel.glb".as_ref(), &MaterialOptions::default(), &limits)?.scene;
-/// # Ok::<(), taotie_engine::Error>(())
-/// ```
-///
-/// # Errors
-/// As [`load`] and [`taotie_io::load_model_within`].
-pub fn load_within(path: &Path, options: &MaterialOptions, limits: &Limits) -> Result<Loaded> {
+pub fn load(path: &Path, options: &MaterialOptions, limits: &Limits) -> Result<Loaded> {
     let mut loaded = taotie_io::load_model_within(path, limits)?;
     if let Some(bounds) = loaded.scene.bounds() {
         check_size(path, bounds.diagonal())?;

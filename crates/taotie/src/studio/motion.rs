@@ -18,7 +18,7 @@ const MOMENTS: u32 = 24;
 /// let mut loaded = taotie_io::load_model("walking.glb".as_ref())?;
 /// let motion = Motion::choose(loaded.rig.take(), Some("Walk"))?;
 /// motion.pose(&mut loaded.scene, motion.seconds() / 2.0)?;
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug)]
 pub struct Motion {
@@ -117,7 +117,7 @@ const STILL_SECONDS: f64 = 1.0 / 24.0;
 /// let turn = Sequence::turntable(36, None, Some(24.0))?;
 /// assert_eq!((turn.shots.len(), turn.seconds), (36, 1.5));
 /// assert_eq!(Sequence::animation(2.0, Some(4), None)?.times(), [0.0, 0.5, 1.0, 1.5]);
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
@@ -137,7 +137,7 @@ pub struct Sequence {
 /// let turn = Sequence::turntable(4, Some(1.5), None)?;
 /// let half = turn.shots[2];
 /// assert_eq!((half.turn, half.seconds), (PI, Some(1.5)));
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]

@@ -23,7 +23,7 @@ const MOST: f32 = 1e9;
 /// let polished = MaterialFactors { metallic: Some(1.0), roughness: Some(0.2), ..MaterialFactors::default() };
 /// polished.apply(&mut scene)?;
 /// assert_eq!((scene.materials()[0].metallic, scene.materials()[0].roughness), (1.0, 0.2));
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default)]

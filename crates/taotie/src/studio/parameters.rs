@@ -23,18 +23,6 @@ pub struct CameraParameters {
 }
 
 /// A projection as data, lengths in model units.
-///
-/// ```
-/// use taotie::studio::ProjectionParameters;
-///
-/// /// Returns the full vertical angle of view, degrees; `None` in parallel projection.
-/// fn angle_of_view(projection: &ProjectionParameters) -> Option<f64> {
-///     match projection {
-///         ProjectionParameters::Perspective { fov_y_deg, .. } => Some(*fov_y_deg),
-///         _ => None,
-///     }
-/// }
-/// ```
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(tag = "kind", rename_all = "lowercase")]
 #[non_exhaustive]
@@ -86,20 +74,6 @@ pub struct LightParameters {
 }
 
 /// The kind of a light as data, world space.
-///
-/// ```
-/// use taotie::studio::LightKindParameters;
-///
-/// /// Returns the position of a light; `None` if it is infinitely far away.
-/// fn place(light: &LightKindParameters) -> Option<[f32; 3]> {
-///     match light {
-///         LightKindParameters::Point { position } | LightKindParameters::Spot { position, .. } => {
-///             Some(*position)
-///         }
-///         _ => None,
-///     }
-/// }
-/// ```
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(tag = "kind", rename_all = "lowercase")]
 #[non_exhaustive]
@@ -128,18 +102,6 @@ pub enum LightKindParameters {
 }
 
 /// The falloff of a light with distance, as data.
-///
-/// ```
-/// use taotie::studio::FalloffParameters;
-///
-/// /// Returns the distance beyond which a light is dark, model units; `None` if there is none.
-/// fn range(falloff: &FalloffParameters) -> Option<f32> {
-///     match falloff {
-///         FalloffParameters::Windowed(range) => Some(*range),
-///         _ => None,
-///     }
-/// }
-/// ```
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub enum FalloffParameters {

@@ -1,11 +1,11 @@
 //! The viewpoint of an image.
 
 use super::motion::{Motion, part_of_turn};
-use super::parse::MOST;
 use std::f64::consts::{PI, TAU};
 use taotie_engine::error::{Error, Result};
 use taotie_engine::math::{Mat4, Vec3};
 use taotie_engine::scene::{Bounds, Camera, Orbit, Outline, Scene};
+use taotie_io::parse::MOST;
 
 /// Number of directions from which a turning object must fit.
 const TURNS: u32 = 24;
@@ -87,13 +87,13 @@ impl CameraOptions {
 /// use taotie::studio::{CameraOptions, Framing, Viewpoint};
 ///
 /// let ball = Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default())?;
-/// let distance = |size| -> taotie_engine::Result<f64> {
+/// let distance = |size| -> taotie::Result<f64> {
 ///     let framing = Framing { size, all_around: false };
 ///     let viewpoint = Viewpoint::choose(&CameraOptions::default(), framing, &ball)?;
 ///     Ok(viewpoint.at(0.0).camera().world_from_view.axis(3).length())
 /// };
 /// assert!(distance([400, 800])? > 1.5 * distance([800, 800])?, "a narrow image is taken from afar");
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Framing {
@@ -128,7 +128,7 @@ impl Framing {
 /// let viewpoint = Viewpoint::choose(&CameraOptions::default(), framing, &scene)?;
 /// let cameras: Vec<_> = viewpoint.turn(12).map(|view| view.camera()).collect();
 /// assert_eq!(cameras.len(), 12);
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Viewpoint {
@@ -207,7 +207,7 @@ impl Viewpoint {
 /// let from = |turn: f64| viewpoint.at(turn).camera().world_from_view.axis(3);
 /// let (front, back) = (from(0.0), from(180f64.to_radians()));
 /// assert!((front.x + back.x).abs() < 1e-6 && (front.y - back.y).abs() < 1e-6);
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View<'a> {

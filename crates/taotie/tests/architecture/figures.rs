@@ -4,7 +4,7 @@ use super::cycles::Files;
 use super::english;
 use super::exceptions::RECORDED;
 use super::public_names::Exports;
-use super::{LIBRARY, files_in, library_files, module_of, rust_files, source_of};
+use super::{files_in, library_files, module_of, rust_files, source_of};
 use regex::Regex;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -293,6 +293,30 @@ fn figures_reach_their_targets_or_improve() {
     }
     if faults.iter().any(|fault| fault.contains("import cycles")) {
         import_cycles().iter().for_each(|cycle| println!("import cycle: {cycle:?}"));
+    }
+    super::report(&faults);
+}
+
+/// The file that records the public names of `taotie`.
+const NAMES: &str = "crates/taotie/public-names.txt";
+
+#[test]
+fn public_names_change_on_purpose() {
+    let all = exports().into_values().flatten();
+    let found: BTreeSet<String> = all.map(|name| name.trim_start_matches("::").to_owned()).collect();
+    assert!(!found.iter().any(|name| name.contains('*')), "a glob re-export hides names: {found:?}");
+    if std::env::var_os("TAOTIE_BLESS").is_some() {
+        let text: String = found.iter().map(|name| format!("{name}\n")).collect();
+        std::fs::write(root().join(NAMES), text).expect("the file is writable");
+    }
+    let text = read(&root().join(NAMES));
+    let recorded: BTreeSet<String> = text.lines().map(str::to_owned).collect();
+    let gone = recorded.difference(&found).map(|name| format!("`{name}` is gone, which breaks users"));
+    let new =
+        found.difference(&recorded).map(|name| format!("`{name}` is new, and must be kept from now on"));
+    let mut faults: Vec<String> = gone.chain(new).collect();
+    if !faults.is_empty() {
+        faults.push(format!("if that is intended, run `make bless` and commit {NAMES}"));
     }
     super::report(&faults);
 }

@@ -148,14 +148,14 @@ fn colors_are_kept_or_the_proof_says_so() {
     let kept = proof(&colored, vec![MapKind::Normal, MapKind::Albedo]);
     let color = finest(&kept).material.color.unwrap();
     assert!(color.mean < 1.5 && color.p95 < 3.0, "{color:?}");
-    assert!(kept.require(&wanted)[0].met);
+    assert!(kept.evaluate(&wanted)[0].met);
     assert!(kept.color_map.as_ref().is_some_and(|map| map.width() == 32));
     assert_eq!(finest(&kept).full_views.len(), 8);
 
     let lost = proof(&colored, vec![MapKind::Normal]);
     let color = finest(&lost).material.color.unwrap();
     assert!(color.mean > 10.0, "{color:?}");
-    assert!(!lost.require(&wanted)[0].met);
+    assert!(!lost.evaluate(&wanted)[0].met);
     let flip = |proof: &Proof| finest(proof).full_views.iter().map(|view| view.flip).sum::<f64>() / 8.0;
     assert!(flip(&lost) > 2.0 * flip(&kept), "{} without colours, {} with them", flip(&lost), flip(&kept));
 }
@@ -176,7 +176,7 @@ fn a_scan_without_material_is_not_compared_and_the_proof_says_so() {
     let plain = proof(&scan(false), vec![MapKind::Normal, MapKind::Height]);
     assert_eq!(finest(&plain).material.color, None);
     assert!(plain.full_views.is_none() && plain.color_map.is_none());
-    assert!(!plain.require(&[Requirement::mean_color(100.0)])[0].met, "nothing was measured");
+    assert!(!plain.evaluate(&[Requirement::mean_color(100.0)])[0].met, "nothing was measured");
     assert!(plain.figures.unseen.iter().any(|what| what.contains("colour and material")));
 }
 
@@ -200,12 +200,12 @@ fn what_the_scan_states_decides_whether_colours_are_compared() {
     assert!(finest(&unstated).overview.color.is_none() && unstated.full_views.is_none() && !says(&unstated));
     assert!(unstated.figures.unseen.iter().any(|what| what.contains("colour and material")));
     let is_of_color = |met: &taotie::asset::RequirementOutcome| met.name().ends_with("color");
-    assert!(!unstated.require(&Requirement::standard()).iter().any(is_of_color));
+    assert!(!unstated.evaluate(&Requirement::standard()).iter().any(is_of_color));
     // A colour that the asset lost is compared, and fails.
     let red = Material { base_color: [0.6, 0.1, 0.1, 1.0], ..Material::default_of_gltf() };
     let lost = proof_without_material(red);
     assert!(says(&lost));
-    let met = lost.require(&Requirement::standard());
+    let met = lost.evaluate(&Requirement::standard());
     assert!(met.iter().any(is_of_color) && met.iter().filter(|met| is_of_color(met)).all(|met| !met.met));
 }
 

@@ -2,7 +2,8 @@
 
 use crate::cart::cart;
 use crate::files::data_files;
-use taotie::asset::{BakeOptions, Baker, Limits, Scan};
+use taotie::Limits;
+use taotie::asset::{BakeOptions, Baker, Scan};
 use taotie_engine::Progress;
 
 fn bake(name: &str, scan: &Scan, triangles: u32) {

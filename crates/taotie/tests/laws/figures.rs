@@ -1,7 +1,8 @@
 //! Figures of a proof that show where an asset differs from its scan, and on how much of its surface.
 
 use std::fmt::Write;
-use taotie::asset::{Limits, PartKind, Proof, Requirement, Scan, VerifyOptions, verify};
+use taotie::Limits;
+use taotie::asset::{PartKind, Proof, Requirement, Scan, VerifyOptions, verify};
 use taotie_engine::Progress;
 use taotie_engine::math::Vec3;
 use taotie_engine::mesh::{Mesh, MeshData};
@@ -86,7 +87,7 @@ fn the_worst_island_and_material_are_those_with_the_waves() {
     // Half of the surface is beyond a small limit, none of it beyond a large one.
     let beyond = finest.beyond.angle.as_ref().unwrap();
     assert!((beyond.beyond(1.0).value - 0.5).abs() < 0.05, "{:?}", beyond.beyond(1.0));
-    let within = |text: &str| proof.require(&Requirement::read(text).unwrap())[0].met;
+    let within = |text: &str| proof.evaluate(&Requirement::read(text).unwrap())[0].met;
     assert_eq!(
         ["within-1deg=99%", "within-1deg=40%", "within-80deg=95%", "within-0.1%=99%", "within-1%=99%"]
             .map(within),

@@ -9,8 +9,7 @@ use crate::pairs::{
 };
 use std::sync::Arc;
 use taotie::asset::{
-    AUTO_SIZE, BakeOptions, Baker, MeshSource, Packing, Requirement, Scan, ScanFile, ScanOptions,
-    VerifyOptions, verify,
+    BakeOptions, Baker, MeshSource, Packing, Requirement, Scan, ScanFile, ScanOptions, VerifyOptions, verify,
 };
 use taotie_engine::Progress;
 use taotie_engine::bake::MapKind;
@@ -62,7 +61,7 @@ fn label(texels: u32) -> Scan {
 #[test]
 fn a_label_that_cannot_be_read() {
     let scan = label(512);
-    let preserved = made(&scan, 400, AUTO_SIZE);
+    let preserved = made(&scan, 400, BakeOptions::AUTO_SIZE);
     assert_eq!(preserved.size(), [1024; 2]);
     let fine = is_sound(&preserved, &scan);
     let lossy = is_bad(&made(&scan, 400, 128), &scan, (&["patch-color"], "colours are off"));
@@ -191,7 +190,7 @@ fn the_verdict_does_not_depend_on_the_samples_at_first() {
         let options =
             VerifyOptions { points, map: 16, view: 16, patch_view: 0, requirements: requirements.clone() };
         let proof = verify(&path, &scan, &options, Progress::SILENT).unwrap();
-        let outcomes = proof.require(&requirements);
+        let outcomes = proof.evaluate(&requirements);
         outcomes.iter().for_each(|met| println!("{points}: {} {}", met.name(), met.text()));
         let met: Vec<bool> = outcomes.iter().map(|met| met.met).collect();
         let patch = proof.figures.levels[0].patches.angle.unwrap();

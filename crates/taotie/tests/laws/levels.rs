@@ -1,8 +1,9 @@
 //! Coarser levels of detail look the same as the scan at the size they are shown, and share what they can.
 
 use std::path::Path;
+use taotie::Limits;
 use taotie::asset::{
-    Asset, BakeOptions, Baker, LevelFigures, Limits, Lod, Packing, Requirement, Scan, VerifyOptions,
+    Asset, BakeOptions, Baker, LevelFigures, Lod, Packing, Requirement, Scan, VerifyOptions,
 };
 use taotie_engine::Progress;
 use taotie_engine::image::{Bitmap, Texels};

@@ -160,7 +160,7 @@ pub fn proof(asset: &impl Written, scan: &Scan, requirements: Vec<Requirement>) 
 }
 
 pub fn failures(proof: &Proof) -> Vec<String> {
-    let met = proof.require(&Requirement::standard());
+    let met = proof.evaluate(&Requirement::standard());
     let name = |met: &RequirementOutcome| {
         format!("{}{}", met.name(), met.level.map_or(String::new(), |l| format!("@{l}")))
     };

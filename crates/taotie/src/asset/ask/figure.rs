@@ -12,7 +12,7 @@ use taotie_engine::names::Named;
 ///
 /// let figure = Figure::from_name("p95-angle")?;
 /// assert_eq!("p95-angle=3".parse::<Requirement>()?, Requirement::of(figure, 3.0));
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]

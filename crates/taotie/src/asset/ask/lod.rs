@@ -14,7 +14,7 @@ use taotie_engine::error::{Error, Result};
 /// assert_eq!("5000".parse::<Lod>()?, Lod::Triangles(5000));
 /// assert_eq!("128px".parse::<Lod>()?, Lod::Pixels(128));
 /// assert!("12.5%".parse::<Lod>().is_err());
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Lod {

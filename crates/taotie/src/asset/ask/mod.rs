@@ -10,6 +10,6 @@ pub use figure::{Figure, FigureUnit, Looking};
 pub(super) use figure::{Sampling, name_within, shown_unit, title_within};
 pub use lod::Lod;
 pub(super) use lod::{pixels_across, screen_coverage};
-pub use options::{AUTO_SIZE, BakeOptions, MeshSource, Packing, RayDistance};
+pub use options::{BakeOptions, MeshSource, Packing, RayDistance};
 pub(super) use options::{NEEDS_UVS, SQUARE, note_unread_options};
 pub use requirement::{Preset, Requirement};

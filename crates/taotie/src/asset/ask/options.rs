@@ -11,18 +11,6 @@ use taotie_engine::mesh::Mesh;
 use taotie_engine::scene::{GreenChannel, NormalSpace};
 use taotie_io::{CodecKind, CodecSet, GltfFormat, TextureCodecs, VertexBits, XmpProperties};
 
-/// The value of [`BakeOptions::size`] that preserves the scan's detail: the smallest power
-/// of two, 256 to 8192, whose texels are at most as wide as a texel of the scan's textures or half its median edge,
-/// on nearly all of the surface. It is `"auto"` in JSON and TOML.
-///
-/// ```
-/// use taotie::asset::{AUTO_SIZE, BakeOptions};
-///
-/// let options = BakeOptions { size: AUTO_SIZE, ..BakeOptions::default() };
-/// assert!(options.check().is_ok());
-/// ```
-pub const AUTO_SIZE: u32 = 0;
-
 /// A mesh provided by the caller.
 ///
 /// ```
@@ -34,7 +22,7 @@ pub const AUTO_SIZE: u32 = 0;
 /// BakeOptions { low: Some(low), ..BakeOptions::default() }.check()?;
 /// let low = MeshSource::File("low.glb".into());
 /// BakeOptions { low: Some(low), ..BakeOptions::default() }.check()?;
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug, Clone, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -72,7 +60,7 @@ impl MeshSource {
 /// let low = Some(MeshSource::File("low.glb".into()));
 /// let ray_distance = RayDistance::Cage(MeshSource::File("cage.glb".into()));
 /// BakeOptions { low, ray_distance, ..BakeOptions::default() }.check()?;
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug, Clone, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -124,7 +112,7 @@ pub struct BakeOptions {
     /// `true` if no uvs may be generated, since no file would store them: `low` with uvs is then required. For
     /// standalone maps.
     pub keep_uvs: bool,
-    /// Texels across the maps, 16 to 16384, or [`AUTO_SIZE`].
+    /// Texels across the maps, 16 to 16384, or [`BakeOptions::AUTO_SIZE`].
     #[serde(with = "side_as_text")]
     pub size: u32,
     /// Texels down the maps; `None` for a square. Only for `low` with uvs: generated atlases are square.
@@ -201,6 +189,18 @@ pub(in crate::asset) const NEEDS_UVS: &str =
     "no file would store generated uvs; use a low-poly mesh with uvs, or write a .glb";
 
 impl BakeOptions {
+    /// The value of [`BakeOptions::size`] that preserves the scan's detail: the smallest power
+    /// of two, 256 to 8192, whose texels are at most as wide as a texel of the scan's textures or half its median edge,
+    /// on nearly all of the surface. It is `"auto"` in JSON and TOML.
+    ///
+    /// ```
+    /// use taotie::asset::BakeOptions;
+    ///
+    /// let options = BakeOptions { size: BakeOptions::AUTO_SIZE, ..BakeOptions::default() };
+    /// assert!(options.check().is_ok());
+    /// ```
+    pub const AUTO_SIZE: u32 = 0;
+
     /// Refuses invalid options, before any work begins.
     ///
     /// # Errors
@@ -216,10 +216,10 @@ impl BakeOptions {
         let is_above_0 = |v: &Option<f64>| v.is_none_or(|v| v > 0.0 && v.is_finite());
         match self {
             Self { triangles: n @ 0..4, .. } => wrong(format!("{n} triangles"), "use at least 4"),
-            Self { size: AUTO_SIZE, height: Some(_), .. } => {
+            Self { size: BakeOptions::AUTO_SIZE, height: Some(_), .. } => {
                 wrong(self.maps_in_words(), "they are square; omit the height")
             }
-            _ if self.size != AUTO_SIZE
+            _ if self.size != BakeOptions::AUTO_SIZE
                 && !self.map_size().iter().all(|side| (16..=16_384).contains(side)) =>
             {
                 wrong(self.maps_in_words(), "use 16 to 16384 texels")
@@ -321,7 +321,7 @@ impl BakeOptions {
     /// Describes the maps by their size, for errors.
     pub(in crate::asset) fn maps_in_words(&self) -> String {
         match self.map_size() {
-            [AUTO_SIZE, _] => "maps of automatic size".into(),
+            [BakeOptions::AUTO_SIZE, _] => "maps of automatic size".into(),
             [width, height] => format!("maps of {width}×{height}"),
         }
     }
@@ -357,11 +357,11 @@ pub(in crate::asset) fn note_unread_options(options: &BakeOptions, warnings: &mu
 
 /// Sides as JSON: numbers, or `"auto"`.
 mod side_as_text {
-    use super::AUTO_SIZE;
+    use super::BakeOptions;
     use serde::de::Error;
     use serde::{Deserialize, Deserializer, Serializer};
 
-    /// The text for [`AUTO_SIZE`].
+    /// The text for [`BakeOptions::AUTO_SIZE`].
     const AUTO: &str = "auto";
 
     #[derive(Deserialize)]
@@ -373,13 +373,17 @@ mod side_as_text {
 
     #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes fields by reference")]
     pub fn serialize<S: Serializer>(size: &u32, serializer: S) -> Result<S::Ok, S::Error> {
-        if *size == AUTO_SIZE { serializer.serialize_str(AUTO) } else { serializer.serialize_u32(*size) }
+        if *size == BakeOptions::AUTO_SIZE {
+            serializer.serialize_str(AUTO)
+        } else {
+            serializer.serialize_u32(*size)
+        }
     }
 
     pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u32, D::Error> {
         match Side::deserialize(deserializer) {
             Ok(Side::Texels(texels)) => Ok(texels),
-            Ok(Side::Word(word)) if word == AUTO => Ok(AUTO_SIZE),
+            Ok(Side::Word(word)) if word == AUTO => Ok(BakeOptions::AUTO_SIZE),
             _ => Err(D::Error::custom("expected a number of texels, or \"auto\"")),
         }
     }
@@ -457,7 +461,7 @@ mod tests {
             (BakeOptions { size: 8, ..base() }, "16 to 16384"),
             (BakeOptions { low: low.clone(), height: Some(20_000), ..base() }, "maps of 2048×20000: use 16"),
             (BakeOptions { height: Some(1024), ..base() }, "generated atlases are square"),
-            (BakeOptions { size: AUTO_SIZE, height: Some(64), ..base() }, "omit the height"),
+            (BakeOptions { size: BakeOptions::AUTO_SIZE, height: Some(64), ..base() }, "omit the height"),
             (BakeOptions { maps: Vec::new(), ..base() }, "at least one"),
             (BakeOptions { keep_uvs: true, ..base() }, "standalone maps: no file would store generated uvs"),
             (BakeOptions { side: 9, ..base() }, "1 to 8"),

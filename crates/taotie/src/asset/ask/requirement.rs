@@ -23,7 +23,7 @@ use taotie_io::CodecKind;
 /// let within: Requirement = "within-5deg=99%".parse()?;
 /// assert_eq!((within.within, within.most), (Some(5.0), 0.99), "at most 1 % of the surface is off by more");
 /// assert!("mean-angle=2%".parse::<Requirement>().is_err(), "an angle is not a fraction");
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Requirement {

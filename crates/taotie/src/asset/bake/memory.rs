@@ -11,7 +11,8 @@ use taotie_io::{Bytes, CodecKind, ImageCodec, Limits, TextureCodecs};
 /// or the page that shows it.
 ///
 /// ```
-/// use taotie::asset::{BakeOptions, Baker, Bytes, Limits, ScanSize};
+/// use taotie::asset::{BakeOptions, Baker, ScanSize};
+/// use taotie::{Bytes, Limits};
 ///
 /// let baker = Baker::new(BakeOptions::default());
 /// let size = ScanSize { triangles: 20_000_000, vertices: 10_000_000, ..ScanSize::default() };

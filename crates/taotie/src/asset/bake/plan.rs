@@ -1,7 +1,7 @@
 //! The plan of a bake: the side of the maps, and where each property of a scan's material goes: into a map, into a
 //! factor of the asset, or nowhere, which is reported.
 
-use crate::asset::ask::{AUTO_SIZE, BakeOptions};
+use crate::asset::ask::BakeOptions;
 use crate::asset::source::{Carried, Found, LowLook, Property, ScanSize};
 use taotie_engine::bake::MapKind;
 use taotie_engine::error::Warnings;
@@ -9,15 +9,6 @@ use taotie_engine::names::Named;
 use taotie_engine::scene::Material;
 
 /// A property of a scan's material that its asset lacks.
-///
-/// ```
-/// use taotie::asset::Report;
-///
-/// /// Returns the names of the properties missing on more than half of the surface.
-/// fn most(report: &Report) -> Vec<&str> {
-///     report.left.iter().filter(|left| left.part > 0.5).map(|left| left.what.as_str()).collect()
-/// }
-/// ```
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct DroppedProperty {
@@ -172,9 +163,9 @@ fn lacking(asked: &BakeOptions, scan: &Carried) -> Warnings {
 }
 
 impl BakeOptions {
-    /// Returns the options with [`AUTO_SIZE`] replaced by the number of texels chosen for a scan of this size.
+    /// Returns the options with [`BakeOptions::AUTO_SIZE`] replaced by the number of texels chosen for a scan of this size.
     pub fn sized(&self, scan: ScanSize) -> Self {
-        let size = if self.size == AUTO_SIZE { chosen_side(scan.detail_side) } else { self.size };
+        let size = if self.size == Self::AUTO_SIZE { chosen_side(scan.detail_side) } else { self.size };
         Self { size, ..self.clone() }
     }
 }

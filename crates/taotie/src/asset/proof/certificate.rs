@@ -32,7 +32,7 @@ const KEY_FIGURES: [Figure; 13] = [
 /// the command that reproduces it. The same files, options and version give the same certificate on every machine.
 ///
 /// ```
-/// use taotie_engine::Result;
+/// use taotie::Result;
 /// use taotie::asset::{Certificate, Proof, Signature, VerifyOptions, WrittenAsset};
 ///
 /// /// Certifies an asset without date or operator.
@@ -129,7 +129,7 @@ impl KeyFigure {
     fn all(figures: &Figures) -> Vec<Self> {
         let of = |figure: Figure| {
             let level = figure.is_of_level().then_some(0);
-            let met = figures.require(&[Requirement { level, ..Requirement::of(figure, 0.0) }]);
+            let met = figures.evaluate(&[Requirement { level, ..Requirement::of(figure, 0.0) }]);
             let RequirementOutcome { value, interval, .. } = *met.first()?;
             Some(Self { figure, value: value?, interval: interval? })
         };
@@ -219,7 +219,7 @@ impl Certificate {
     fn of(subject: Subject<'_>, options: &VerifyOptions, signature: &Signature) -> Result<Self> {
         signature.check()?;
         let Subject { scan, asset, is_whole, figures } = subject;
-        let required = figures.require(&options.requirements);
+        let required = figures.evaluate(&options.requirements);
         let names = asset.files.first().map(|file| &file.name).filter(|_| is_whole && !scan.files.is_empty());
         let command =
             names.map(|asset| command([asset, &name_of(&scan.path)], &scan.options, options, signature));

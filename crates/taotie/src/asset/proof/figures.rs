@@ -13,7 +13,7 @@ use taotie_engine::surface::uv_islands;
 /// The differences of an asset from its scan, in numbers.
 ///
 /// ```
-/// use taotie::asset::{BIN_WIDTH, Figures};
+/// use taotie::asset::Figures;
 ///
 /// /// Returns the mean angle by which the map improves on plain vertex normals, degrees, on the surface.
 /// fn gain(figures: &Figures) -> Option<f64> {
@@ -76,15 +76,6 @@ mod unit_as_json {
 }
 
 /// How well two meshes fit each other; see [`Fit`].
-///
-/// ```
-/// use taotie::asset::FitFigures;
-///
-/// /// Returns `true` if the meshes hardly belong together.
-/// fn lie_apart(fit: &FitFigures) -> bool {
-///     fit.away > 0.1 || fit.turned > 0.1
-/// }
-/// ```
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct FitFigures {
@@ -101,19 +92,6 @@ impl From<Fit> for FitFigures {
         Self { away: fit.away, turned: fit.turned, distance_of_diagonal: fit.distance }
     }
 }
-
-/// The width of a bin of [`LevelFigures::histogram`], degrees.
-///
-/// ```
-/// use taotie::asset::BIN_WIDTH;
-///
-/// /// Returns the angles at which a bin begins and ends, degrees.
-/// fn range(bin: usize) -> [f64; 2] {
-///     [bin, bin + 1].map(|edge| edge as f64 * BIN_WIDTH)
-/// }
-/// assert_eq!(range(0), [0.0, 0.2]);
-/// ```
-pub const BIN_WIDTH: f64 = 0.2;
 
 /// The differences of one level of detail from the scan, in numbers. All levels show the same maps.
 ///
@@ -161,7 +139,7 @@ pub struct LevelFigures {
     /// On the surface: degrees between the displayed normals and the scan's, over evenly spread points; `None` if no
     /// point was found.
     pub surface_angles: Option<Summary>,
-    /// The histogram of these angles, with bins of [`BIN_WIDTH`]; the last is open-ended.
+    /// The histogram of these angles, with bins of [`LevelFigures::BIN_WIDTH`]; the last is open-ended.
     pub histogram: Vec<u64>,
     /// The same angles without the map, from plain vertex normals.
     pub without_map: Option<Summary>,
@@ -173,6 +151,21 @@ pub struct LevelFigures {
     pub views: Vec<ViewFigures>,
     /// The same in full material; empty if the scan does not specify any.
     pub full_views: Vec<ViewFigures>,
+}
+
+impl LevelFigures {
+    /// The width of a bin of [`LevelFigures::histogram`], degrees.
+    ///
+    /// ```
+    /// use taotie::asset::LevelFigures;
+    ///
+    /// /// Returns the angles at which a bin begins and ends, degrees.
+    /// fn range(bin: usize) -> [f64; 2] {
+    ///     [bin, bin + 1].map(|edge| edge as f64 * LevelFigures::BIN_WIDTH)
+    /// }
+    /// assert_eq!(range(0), [0.0, 0.2]);
+    /// ```
+    pub const BIN_WIDTH: f64 = 0.2;
 }
 
 /// The worst windows of one per cent of the visible surface, seen close up, of scan and asset.

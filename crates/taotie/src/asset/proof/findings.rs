@@ -158,7 +158,7 @@ struct Place<'a> {
 /// because of it. Faults of the finest level are noted even if all requirements are met.
 fn note_worst_places(all: &Figures, requirements: &[Requirement], warnings: &mut Warnings) {
     let unmet: Vec<RequirementOutcome> =
-        all.require(requirements).into_iter().filter(|met| !met.met).collect();
+        all.evaluate(requirements).into_iter().filter(|met| !met.met).collect();
     for number in 0..all.levels.len() {
         let of_level =
             if all.levels.len() > 1 { format!(" at level of detail {number}") } else { String::new() };

@@ -76,14 +76,15 @@ pub(super) fn check_options(options: &VerifyOptions) -> Result<()> {
 /// ignored.
 ///
 /// ```no_run
-/// use taotie_engine::Progress;
-/// use taotie::asset::{Limits, Scan, VerifyOptions, measure};
+/// use taotie::Progress;
+/// use taotie::asset::{Scan, VerifyOptions, measure};
+/// use taotie::Limits;
 ///
 /// let scan = Scan::read("scan.ply", &Limits::default(), Progress::SILENT)?;
 /// let model = taotie_io::load_model("packed.glb".as_ref())?.scene;
 /// let (figures, _) = measure(&model, &scan, &VerifyOptions::default(), Progress::SILENT)?;
 /// println!("{:?}", figures.finest().map(|finest| finest.hausdorff));
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 ///
 /// # Errors
@@ -168,7 +169,7 @@ impl<'a> Measurement<'a> {
         let mut seen = Seen::of(&pair, (across, counts))?;
         loop {
             figures.levels.push(on_surface.clone().with_seen(&pair, &seen, &asked)?);
-            let met = figures.require(&self.options.requirements);
+            let met = figures.evaluate(&self.options.requirements);
             counts = counts.to_decide(met.iter().filter(|met| met.level == Some(number)));
             if counts == seen.counts() {
                 return Ok(found);

@@ -15,11 +15,11 @@ pub use certificate::{
     Certificate, HashedFile, HashedMap, KeyFigure, ProofOptions, ProvedFile, Signature, Verdict,
 };
 pub use figures::{
-    BIN_WIDTH, Beyond, Coverage, Figures, FitFigures, LevelFigures, MaterialFigures, PartFigures, Resolution,
-    ViewFigures, WorstParts, WorstPatches,
+    Beyond, Coverage, Figures, LevelFigures, MaterialFigures, PartFigures, Resolution, ViewFigures,
+    WorstParts,
 };
 pub use measurement::{VerifyOptions, measure};
 pub use outcome::RequirementOutcome;
 pub use pictures::{PartFlip, PartKind, PatchPictures, Views};
-pub use report::{BakeFigures, Report, StageTime, Warning};
-pub use verification::{FLOOR_8_BIT, Proof, verify};
+pub use report::{BakeFigures, Report, StageTime};
+pub use verification::{Proof, verify};

@@ -115,7 +115,7 @@ impl RequirementOutcome {
 impl Figures {
     /// Compares each requirement with the measurements: a figure of levels of detail at every level, unless one is
     /// named. A figure that could not be measured, or a level that does not exist, is not met.
-    pub fn require(&self, requirements: &[Requirement]) -> Vec<RequirementOutcome> {
+    pub fn evaluate(&self, requirements: &[Requirement]) -> Vec<RequirementOutcome> {
         requirements.iter().flat_map(|requirement| requirement.against(self, requirements)).collect()
     }
 }
@@ -296,7 +296,7 @@ mod tests {
     }
 
     fn outcomes(text: &str, figures: &Figures) -> Vec<bool> {
-        figures.require(&[read(text).unwrap()]).iter().map(|met| met.met).collect()
+        figures.evaluate(&[read(text).unwrap()]).iter().map(|met| met.met).collect()
     }
 
     /// For each figure and unit: a limit just above the measured value, and one just below.
@@ -343,7 +343,7 @@ mod tests {
     #[test]
     fn lengths_are_shown_in_the_unit_of_their_limit() {
         let figures = figures(vec![level(2.0, 0.005)]);
-        let text = |text: &str| figures.require(&[read(text).unwrap()])[0].text();
+        let text = |text: &str| figures.evaluate(&[read(text).unwrap()])[0].text();
         assert_eq!(text("hausdorff=0.2mm"), "is 0.9 mm, at most 0.2 mm");
         assert_eq!(text("hausdorff=1cm"), "is 0.9 mm, at most 10 mm");
         assert_eq!(text("texel=60um"), "is 50 µm, at most 60 µm");
@@ -370,7 +370,7 @@ mod tests {
         assert_eq!(outcomes("mean-angle@2=1", &figures), [false]);
         assert_eq!(outcomes("mean-angle@3=90", &figures), [false], "there is no such level");
         assert_eq!(outcomes("bytes=3MB", &figures), [true], "the asset has only one size");
-        let met = figures.require(&[read("mean-angle=1").unwrap()]);
+        let met = figures.evaluate(&[read("mean-angle=1").unwrap()]);
         assert_eq!((met[2].level, met[2].text().as_str()), (Some(2), "is 5°, at most 1°"));
     }
 
@@ -383,7 +383,7 @@ mod tests {
         assert_eq!(outcomes("hausdorff=0.15", &figures), [true], "it is never seen close up");
         assert_eq!(outcomes("hausdorff@1=0.15", &figures), [false], "unless it is named");
         let all = ["mean-angle=0.5", "mean-angle@1=1"].map(|text| read(text).unwrap());
-        let met: Vec<_> = figures.require(&all).iter().map(|met| (met.level, met.met)).collect();
+        let met: Vec<_> = figures.evaluate(&all).iter().map(|met| (met.level, met.met)).collect();
         assert_eq!(met, [(Some(0), true), (Some(1), true)], "a level may have its own limit");
     }
 
@@ -406,7 +406,7 @@ mod tests {
         );
         assert_eq!(["within-3dE=99%", "within-3ΔE=99.9%"].map(verdict), [true, false]);
         assert_eq!(["within-1%=99%", "within-1%=99.9%", "within-3%=99.9%"].map(verdict), [true, false, true]);
-        let met = |text: &str| figures.require(&[read(text).unwrap()])[0];
+        let met = |text: &str| figures.evaluate(&[read(text).unwrap()])[0];
         assert_eq!(met("within-0.5%=99%").name(), "within-0.5%");
         assert_eq!(
             (met("within-5°=99%").name(), met("missed=1%").name()),
@@ -442,7 +442,7 @@ mod tests {
         let mut between = level(1.0, 0.005);
         between.hausdorff_of_diagonal.lower = 0.003;
         let figures = figures(vec![between]);
-        let of = |text: &str| figures.require(&[read(text).unwrap()])[0];
+        let of = |text: &str| figures.evaluate(&[read(text).unwrap()])[0];
         assert_eq!(
             [of("hausdorff=0.6"), of("hausdorff=0.2")].map(|met| (met.met, met.is_undecided())),
             [(true, false), (false, false)]
@@ -463,10 +463,10 @@ mod tests {
         let colored = plain.clone();
         plain.overview.color = None;
         let standard = Requirement::read("standard").unwrap();
-        let count = |level: LevelFigures| figures(vec![level]).require(&standard).len();
+        let count = |level: LevelFigures| figures(vec![level]).evaluate(&standard).len();
         assert_eq!((count(plain.clone()), count(colored.clone())), (5, 7));
-        assert!(figures(vec![plain]).require(&standard).iter().all(|met| met.met));
-        let met = figures(vec![colored]).require(&standard);
+        assert!(figures(vec![plain]).evaluate(&standard).iter().all(|met| met.met));
+        let met = figures(vec![colored]).evaluate(&standard);
         assert!(!met[6].met && met[6].value.is_none(), "no patch of colours was measured: {met:?}");
     }
 
@@ -482,7 +482,7 @@ mod tests {
             [false],
             "some colours are not finite"
         );
-        let met = figures(vec![nowhere]).require(&[read("max-angle=180").unwrap()]);
+        let met = figures(vec![nowhere]).evaluate(&[read("max-angle=180").unwrap()]);
         assert_eq!((met[0].met, met[0].text().as_str()), (false, "could not be measured, at most 180°"));
     }
 }

@@ -4,14 +4,14 @@ use super::certificate::Certificate;
 use super::figures::Figures;
 use super::findings::unproved_maps;
 use super::outcome::RequirementOutcome;
-use super::verification::{FLOOR_8_BIT, Proof};
+use super::verification::Proof;
 use crate::asset::ask::MeshSource;
 use crate::asset::bake::{DroppedProperty, Trial};
 use crate::asset::source::{Origin, Scan};
 use crate::asset::write::{MapNote, Parameters, WrittenAsset, maps_alone, name_of};
 use std::path::{Path, PathBuf};
 use taotie_engine::bake::MapKind;
-use taotie_engine::error::{Result, Warnings};
+use taotie_engine::error::{Result, Warning, Warnings};
 use taotie_io::CodecKind;
 
 /// The version of the report's layout.
@@ -20,7 +20,7 @@ const SCHEMA: u32 = 6;
 /// The complete report of a bake. The caller fills in what it knows, such as figures and times.
 ///
 /// ```
-/// use taotie_engine::Result;
+/// use taotie::Result;
 /// use taotie::asset::{Certificate, Proof, Report, Signature, VerifyOptions, WrittenAsset};
 ///
 /// /// Collects all that is known about an asset.
@@ -118,7 +118,7 @@ impl BakeFigures {
             missed_samples: share(counts.missed, counts.samples),
             lost_samples: share(counts.lost, counts.samples),
             uv_use: share(counts.texels, texels),
-            floor_8_bit: stores_8_bits(written).then_some(FLOOR_8_BIT),
+            floor_8_bit: stores_8_bits(written).then_some(Proof::FLOOR_8_BIT),
             unproved_maps: unproved_maps(&maps),
         }
     }
@@ -153,33 +153,6 @@ pub struct StageTime {
     pub milliseconds: f64,
 }
 
-/// A kind of warning and its count.
-///
-/// ```
-/// use taotie_engine::Warnings;
-/// use taotie::asset::Warning;
-///
-/// let mut warnings = Warnings::default();
-/// warnings.note("open edges", 3);
-/// let listed = Warning::list(&warnings);
-/// assert_eq!((listed[0].count, listed[0].what.as_str()), (3, "open edges"));
-/// ```
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[non_exhaustive]
-pub struct Warning {
-    /// The number of occurrences.
-    pub count: usize,
-    /// The warning.
-    pub what: String,
-}
-
-impl Warning {
-    /// Lists warnings in order of first occurrence.
-    pub fn list(warnings: &Warnings) -> Vec<Self> {
-        warnings.iter().map(|(what, count)| Self { count, what: what.to_owned() }).collect()
-    }
-}
-
 impl Report {
     /// Describes a written asset before its proof.
     ///
@@ -188,7 +161,7 @@ impl Report {
     pub fn of(written: &WrittenAsset) -> Result<Self> {
         let asset = written.asset();
         let made = &asset.made;
-        let warnings = [&made.warnings, &written.warnings].map(Warning::list).concat();
+        let warnings = [&made.warnings, &written.warnings].map(Warnings::list).concat();
         Ok(Self {
             schema: SCHEMA,
             kind: "taotie bake",
@@ -240,7 +213,7 @@ impl Report {
             bake: None,
             trials: Vec::new(),
             stages: Vec::new(),
-            warnings: Warning::list(&proof.warnings),
+            warnings: proof.warnings.list(),
         })
     }
 

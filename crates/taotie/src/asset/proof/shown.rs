@@ -1,6 +1,6 @@
 //! A level of detail of an asset as a viewer shows it, and its differences on the surface, along the rays of a bake.
 
-use super::figures::{BIN_WIDTH, LevelFigures, MaterialFigures, PartFigures};
+use super::figures::{LevelFigures, MaterialFigures, PartFigures};
 use crate::asset::source::{Scan, is_plain};
 use std::path::Path;
 use taotie_engine::bake::{self, Cage, MaterialError, TexturedMesh, Verifier};
@@ -177,7 +177,7 @@ impl LevelFigures {
         Ok(Self {
             triangles,
             surface_angles: angles.summary(),
-            histogram: angles.histogram(BINS, (BINS as f64 * BIN_WIDTH) as f32),
+            histogram: angles.histogram(BINS, (BINS as f64 * LevelFigures::BIN_WIDTH) as f32),
             without_map: plain.summary(),
             surface_missed: weighted(found, |part| part.missed),
             material: material_figures(found)?,

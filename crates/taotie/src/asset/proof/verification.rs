@@ -24,18 +24,6 @@ pub use taotie_engine::proof::Footprint;
 use taotie_engine::scene::{NormalSpace, Scene};
 use taotie_io::{GltfSizes, GltfSource, Limits, Loaded};
 
-/// The mean and maximum angle, degrees, between unit vectors and their 8-bit encodings.
-///
-/// ```
-/// use taotie::asset::FLOOR_8_BIT;
-///
-/// /// Returns `true` if more bits would gain more than a finer map.
-/// fn is_near_floor(mean_angle: f64) -> bool {
-///     mean_angle < 1.1 * FLOOR_8_BIT[0]
-/// }
-/// ```
-pub const FLOOR_8_BIT: [f64; 2] = [0.17, 0.38];
-
 /// The differences of an asset from its scan: figures and images.
 ///
 /// ```
@@ -44,7 +32,7 @@ pub const FLOOR_8_BIT: [f64; 2] = [0.17, 0.38];
 /// /// Returns `true` if an asset meets these requirements.
 /// fn is_good(proof: &Proof) -> bool {
 ///     let wanted = [Requirement::mean_angle_deg(1.0), Requirement::missed(0.001)];
-///     proof.require(&wanted).iter().all(|met| met.met)
+///     proof.require(&wanted).is_ok()
 /// }
 /// ```
 #[derive(Debug, Clone)]
@@ -85,15 +73,16 @@ pub struct Proof {
 /// for the bake of the asset.
 ///
 /// ```no_run
-/// use taotie_engine::Progress;
-/// use taotie::asset::{Limits, Requirement, Scan, VerifyOptions, verify};
+/// use taotie::Progress;
+/// use taotie::asset::{Requirement, Scan, VerifyOptions, verify};
+/// use taotie::Limits;
 ///
 /// let limits = Limits::default();
 /// let scan = Scan::read("scan.ply", &limits, Progress::SILENT)?;
 /// let options = VerifyOptions { requirements: Requirement::standard(), ..VerifyOptions::default() };
 /// let proof = verify("packed.glb", scan, &options, Progress::SILENT)?;
-/// assert!(proof.require(&options.requirements).iter().all(|met| met.met));
-/// # Ok::<(), taotie_engine::Error>(())
+/// proof.require(&options.requirements)?;
+/// # Ok::<(), taotie::Error>(())
 /// ```
 ///
 /// # Errors
@@ -366,9 +355,32 @@ impl WrittenAsset {
 }
 
 impl Proof {
-    /// Compares each requirement with the figures; see [`Figures::require`].
-    pub fn require(&self, requirements: &[Requirement]) -> Vec<RequirementOutcome> {
-        self.figures.require(requirements)
+    /// The mean and maximum angle, degrees, between unit vectors and their 8-bit encodings.
+    ///
+    /// ```
+    /// use taotie::asset::Proof;
+    ///
+    /// /// Returns `true` if more bits would gain more than a finer map.
+    /// fn is_near_floor(mean_angle: f64) -> bool {
+    ///     mean_angle < 1.1 * Proof::FLOOR_8_BIT[0]
+    /// }
+    /// ```
+    pub const FLOOR_8_BIT: [f64; 2] = [0.17, 0.38];
+
+    /// Compares each requirement with the figures; see [`Figures::evaluate`].
+    pub fn evaluate(&self, requirements: &[Requirement]) -> Vec<RequirementOutcome> {
+        self.figures.evaluate(requirements)
+    }
+
+    /// Returns an error that lists the requirements that are not met, each with its value and limit.
+    ///
+    /// # Errors
+    /// [`Error::Unmet`] unless all are met.
+    pub fn require(&self, requirements: &[Requirement]) -> Result<()> {
+        let outcomes = self.evaluate(requirements);
+        let unmet: Vec<String> =
+            outcomes.iter().filter(|met| !met.met).map(RequirementOutcome::in_list).collect();
+        if unmet.is_empty() { Ok(()) } else { Err(Error::Unmet { what: unmet.join(", ") }) }
     }
 
     /// Adds the figures of the views, the finest level's first, to those of their levels.

@@ -18,13 +18,14 @@ use taotie_engine::surface::{
 /// How a scan is read if its file is ambiguous. Built by `Default` and struct update.
 ///
 /// ```no_run
-/// use taotie_engine::Progress;
-/// use taotie::asset::{Limits, ScanFile, ScanOptions};
+/// use taotie::Progress;
+/// use taotie::asset::{ScanFile, ScanOptions};
+/// use taotie::Limits;
 ///
 /// let options = ScanOptions { crease_angle_deg: Some(40.0), ..ScanOptions::default() };
 /// let file = ScanFile::read("bracket.stl", &Limits::default(), Progress::SILENT)?;
 /// let scan = file.with_options(options).into_scan(Progress::SILENT)?;
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(default)]

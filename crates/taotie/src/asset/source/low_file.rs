@@ -109,7 +109,7 @@ pub(in crate::asset) fn root_scale(unit: Option<Unit>) -> Option<f32> {
 /// let mut scan = Scene::of_mesh(Mesh::sphere(40.0, 16, 8), Material::default())?;
 /// into_metres(&mut scan, Some(Unit::Millimetre))?;
 /// assert!(scan.bounds().unwrap().max.y < 0.041);
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 ///
 /// # Errors

@@ -63,15 +63,16 @@ impl About {
 /// A scan as stored in its file, not yet merged into one mesh, so that the needs of a bake can be estimated.
 ///
 /// ```no_run
-/// use taotie_engine::Progress;
-/// use taotie::asset::{BakeOptions, Baker, Limits, ScanFile};
+/// use taotie::Progress;
+/// use taotie::asset::{BakeOptions, Baker, ScanFile};
+/// use taotie::Limits;
 ///
 /// let limits = Limits::default();
 /// let file = ScanFile::read("scan.ply", &limits, Progress::SILENT)?;
 /// let baker = Baker::new(BakeOptions::default());
 /// println!("a bake needs about {} of memory", baker.need(file.size()).bytes());
 /// let scan = file.into_scan(Progress::SILENT)?;
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug)]
 pub struct ScanFile {
@@ -83,14 +84,14 @@ pub struct ScanFile {
 /// A scan: one mesh with its materials, sorted for rays once a bake needs them. Clones share all data.
 ///
 /// ```
-/// use taotie_engine::Progress;
+/// use taotie::Progress;
 /// use taotie::asset::Scan;
 /// use taotie_engine::mesh::Mesh;
 ///
 /// let scan = Scan::from_mesh(Mesh::sphere(1.0, 32, 16), Progress::SILENT)?;
 /// assert_eq!(scan.mesh().triangles().len(), 960);
 /// assert_eq!(scan.sha256()?, "", "it has no file");
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Clone)]
 pub struct Scan {
@@ -123,12 +124,13 @@ impl ScanFile {
     /// loaded thus need not be read again.
     ///
     /// ```no_run
-    /// use taotie_engine::Progress;
-    /// use taotie::asset::{Limits, ScanFile};
+    /// use taotie::Progress;
+    /// use taotie::asset::ScanFile;
+    /// use taotie::Limits;
     ///
     /// let loaded = taotie_io::load_model("scan.ply".as_ref())?;
     /// let scan = ScanFile::from_loaded(loaded, "scan.ply", &Limits::default())?.into_scan(Progress::SILENT)?;
-    /// # Ok::<(), taotie_engine::Error>(())
+    /// # Ok::<(), taotie::Error>(())
     /// ```
     ///
     /// # Errors

@@ -38,7 +38,7 @@ pub struct ScanSize {
     /// The maps of properties that vary in its materials, which a bake carries over if requested.
     pub carries: Maps,
     /// The side of the smallest square map, a power of two, that preserves its detail; see
-    /// [`AUTO_SIZE`](crate::asset::AUTO_SIZE).
+    /// [`BakeOptions::AUTO_SIZE`](crate::asset::BakeOptions::AUTO_SIZE).
     pub detail_side: u32,
     /// `true` if it specifies a material, so that images in full material are compared too.
     pub has_material: bool,

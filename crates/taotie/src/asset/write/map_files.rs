@@ -13,18 +13,6 @@ use taotie_engine::scene::{GreenChannel, NormalSpace};
 use taotie_io::GltfMaterial;
 
 /// A map of a written asset: where it is stored, and what its values mean.
-///
-/// ```
-/// use std::path::PathBuf;
-/// use taotie::asset::WrittenAsset;
-/// use taotie_engine::bake::MapKind;
-///
-/// /// Returns the file of the height map and the heights of black and white, model units.
-/// fn height(written: &WrittenAsset) -> Option<(PathBuf, [f64; 2])> {
-///     let note = written.maps().into_iter().find(|note| note.map == MapKind::Height)?;
-///     Some((note.file?, [note.black?, note.white?]))
-/// }
-/// ```
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 #[non_exhaustive]
 pub struct MapNote {

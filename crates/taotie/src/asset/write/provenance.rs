@@ -16,7 +16,7 @@ use taotie_io::{Json, Limits, Loaded, Provenance, XmpProperties};
 /// The options and packing of a bake, as a JSON document.
 ///
 /// ```
-/// use taotie_engine::Result;
+/// use taotie::Result;
 /// use taotie::asset::{Report, WrittenAsset};
 ///
 /// /// Returns the parameters of a written asset as JSON; `None` if it was not baked here.
@@ -36,15 +36,16 @@ impl ScanOptions {
     /// are unset if there is no record.
     ///
     /// ```no_run
-    /// use taotie_engine::Progress;
-    /// use taotie::asset::{Limits, ScanFile, ScanOptions, VerifyOptions, verify};
+    /// use taotie::Progress;
+    /// use taotie::asset::{ScanFile, ScanOptions, VerifyOptions, verify};
+    /// use taotie::Limits;
     ///
     /// let limits = Limits::default();
     /// let options = ScanOptions::recorded("bracket.glb", &limits)?;
     /// let file = ScanFile::read("bracket.stl", &limits, Progress::SILENT)?.with_options(options);
     /// let scan = file.into_scan(Progress::SILENT)?;
     /// let proof = verify("bracket.glb", scan, &VerifyOptions::default(), Progress::SILENT)?;
-    /// # Ok::<(), taotie_engine::Error>(())
+    /// # Ok::<(), taotie::Error>(())
     /// ```
     ///
     /// # Errors
@@ -61,7 +62,8 @@ impl ScanOptions {
 ///
 /// ```
 /// use taotie::asset::model_unit;
-/// use taotie::{taotie_io::Loaded, length::Unit};
+/// use taotie_engine::length::Unit;
+/// use taotie_io::Loaded;
 ///
 /// assert_eq!(model_unit(&Loaded { format: "GLB", ..Loaded::default() }), Some(Unit::Metre));
 /// assert_eq!(model_unit(&Loaded { format: "STL", ..Loaded::default() }), None);

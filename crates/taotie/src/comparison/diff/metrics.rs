@@ -92,21 +92,6 @@ fn summary(field: &Field) -> Result<Summary> {
 }
 
 /// The difference at each pixel, and how to show it.
-///
-/// ```
-/// use taotie::comparison::diff::{DiffOptions, ImagePair, Metric, NamedBitmap};
-///
-/// # use taotie_engine::image::{Bitmap, Texels};
-/// # let grey = |code: u8| Bitmap::new(16, 16, 1, Texels::U8(vec![[code, code, code, 255]; 256]));
-/// # let (black, white) = (grey(0)?, grey(255)?);
-/// # let a = NamedBitmap { name: "black.png", bitmap: &black };
-/// # let b = NamedBitmap { name: "white.png", bitmap: &white };
-/// // `a` is black and `b` is white.
-/// let options = DiffOptions { metric: Some(Metric::Rmse), ..DiffOptions::default() };
-/// let map = ImagePair::new([a, b], &options)?.difference_map(&options)?;
-/// assert_eq!((map.field.values()[0], map.top), (1.0, 1.0));
-/// # Ok::<(), taotie_engine::Error>(())
-/// ```
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct DifferenceMap {

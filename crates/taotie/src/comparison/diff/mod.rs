@@ -4,11 +4,11 @@
 //! between them, without texels that have alpha 0 or no unit vector.
 //!
 //! ```
-//! use taotie_engine::Progress;
+//! use taotie::Progress;
 //! use taotie::comparison::diff::{DiffOptions, ImagePair, NamedBitmap};
 //! use taotie_engine::image::{Bitmap, Texels};
 //!
-//! # fn main() -> taotie_engine::Result<()> {
+//! # fn main() -> taotie::Result<()> {
 //! let grey = |code: u8| Bitmap::new(16, 16, 1, Texels::U8(vec![[code, code, code, 255]; 256]));
 //! let images = [("black", grey(0)?), ("white", grey(255)?)];
 //! let [a, b] = images.each_ref().map(|(name, bitmap)| NamedBitmap { name, bitmap });
@@ -22,7 +22,7 @@
 mod metrics;
 mod pair;
 
-pub use metrics::{DiffFigures, DifferenceMap};
+pub use metrics::DiffFigures;
 pub use pair::{ImageContent, ImagePair, NamedBitmap, guessed_encoding};
 
 use taotie_engine::compare::{NormalEncoding, PIXELS_PER_DEGREE};
@@ -37,7 +37,7 @@ use taotie_engine::names::Named;
 ///
 /// assert_eq!(Metric::from_name("ssim")?, Metric::Ssim);
 /// assert!(Metric::Ssim.is_worse(0.90, 0.95) && !Metric::Flip.is_worse(0.90, 0.95));
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]

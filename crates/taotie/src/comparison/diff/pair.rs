@@ -15,7 +15,7 @@ use taotie_engine::surface::{NormalMapKind, is_normal_map};
 ///
 /// let bitmap = taotie_io::read_bitmap("render.png".as_ref())?;
 /// let image = NamedBitmap { name: "render.png", bitmap: &bitmap };
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy)]
 pub struct NamedBitmap<'a> {
@@ -38,7 +38,7 @@ pub struct NamedBitmap<'a> {
 /// // `a` is black and `b` is white: colours, not normals.
 /// let pair = ImagePair::new([a, b], &DiffOptions::default())?;
 /// assert_eq!((pair.shared_normals(), pair.warnings.is_empty()), (None, true));
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug, Clone)]
 #[non_exhaustive]
@@ -102,7 +102,7 @@ impl ImagePair {
     /// let image = NamedBitmap { name: "black.png", bitmap: &bitmap };
     /// let need = ImagePair::bytes([image, image], &DiffOptions::default())?;
     /// assert!(need > 256 * 100);
-    /// # Ok::<(), taotie_engine::Error>(())
+    /// # Ok::<(), taotie::Error>(())
     /// ```
     ///
     /// # Errors
@@ -127,7 +127,7 @@ impl ImagePair {
     /// # use taotie_engine::image::{Bitmap, Texels};
     /// let bitmap = Bitmap::new(16, 16, 1, Texels::U8(vec![[0, 0, 0, 255]; 256]))?;
     /// assert_eq!(ImagePair::least_bytes(&bitmap), 256 * (4 + 4 + 40));
-    /// # Ok::<(), taotie_engine::Error>(())
+    /// # Ok::<(), taotie::Error>(())
     /// ```
     pub fn least_bytes(image: &Bitmap) -> u64 {
         2 * image.texels().bytes() + image.texels().len() as u64 * NORMALS
@@ -197,7 +197,7 @@ fn normal_encodings(
 /// let vectors = Bitmap::new(2, 2, 3, Texels::F32(vec![[0.0, 0.0, 1.0, 1.0]; 4]))?;
 /// assert_eq!(guessed_encoding(&codes)?, Some(NormalEncoding::Unit));
 /// assert_eq!(guessed_encoding(&vectors)?, Some(NormalEncoding::Signed));
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 ///
 /// # Errors

@@ -9,7 +9,7 @@
 //! for failed in audit.failed() {
 //!     println!("{:?}: {}", failed.name, failed.message);
 //! }
-//! # Ok::<(), taotie_engine::Error>(())
+//! # Ok::<(), taotie::Error>(())
 //! ```
 
 mod check;
@@ -22,7 +22,7 @@ mod uvs;
 pub use check::{Check, CheckResult, CheckStatus};
 pub use schema::{AuditSchema, ProductInfo};
 
-use crate::inspection::report::Counted;
+use taotie_engine::Warning;
 use taotie_engine::error::Result;
 use taotie_engine::scene::Scene;
 use taotie_io::Loaded;
@@ -39,7 +39,7 @@ pub struct Audit {
     /// One result per check, in the order of the auditor's report.
     pub checks: Vec<CheckResult>,
     /// Content that was skipped or corrected on reading; the checks do not see it.
-    pub warnings: Vec<Counted>,
+    pub warnings: Vec<Warning>,
 }
 
 impl Audit {
@@ -59,31 +59,30 @@ impl Audit {
         checks.extend(textures::results(loaded, &schema.textures));
         checks.extend(textures::texel_density(scene, schema.uvs.pixels_per_meter));
         checks.extend(uvs::results(scene, &schema.uvs)?);
-        let warnings = loaded.warnings.iter();
         Ok(Self {
             schema_version: schema.version().to_owned(),
             passed: checks.iter().all(|check| check.status != CheckStatus::Fail),
-            warnings: warnings.map(|(what, count)| Counted { what: what.to_owned(), count }).collect(),
+            warnings: loaded.warnings.list(),
             checks,
         })
+    }
+
+    /// Returns an upper bound of the memory in bytes that an audit of `scene` needs in addition to it.
+    pub fn memory(scene: &Scene, schema: &AuditSchema) -> u64 {
+        /// Per texel: its triangle, and its island twice or the island nearest to it.
+        const TEXEL: u64 = 16;
+        /// Per triangle: its edges, or its uvs and those of its island.
+        const TRIANGLE: u64 = 192;
+        let largest = scene.meshes().iter().map(|mesh| mesh.triangles().len() as u64).max().unwrap_or(0);
+        let is_drawn = schema.uvs.require_not_overlapping || schema.uvs.gutter_width.widest().is_some();
+        let texels = if is_drawn { u64::from(MOST_SIDE) * u64::from(MOST_SIDE) } else { 0 };
+        largest * TRIANGLE + texels * TEXEL
     }
 
     /// Returns the checks that failed.
     pub fn failed(&self) -> impl Iterator<Item = &CheckResult> {
         self.checks.iter().filter(|check| check.status == CheckStatus::Fail)
     }
-}
-
-/// Returns an upper bound of the memory in bytes that an audit needs in addition to the scene.
-pub fn audit_bytes(scene: &Scene, schema: &AuditSchema) -> u64 {
-    /// Per texel: its triangle, and its island twice or the island nearest to it.
-    const TEXEL: u64 = 16;
-    /// Per triangle: its edges, or its uvs and those of its island.
-    const TRIANGLE: u64 = 192;
-    let largest = scene.meshes().iter().map(|mesh| mesh.triangles().len() as u64).max().unwrap_or(0);
-    let is_drawn = schema.uvs.require_not_overlapping || schema.uvs.gutter_width.widest().is_some();
-    let texels = if is_drawn { u64::from(MOST_SIDE) * u64::from(MOST_SIDE) } else { 0 };
-    largest * TRIANGLE + texels * TEXEL
 }
 
 #[cfg(test)]

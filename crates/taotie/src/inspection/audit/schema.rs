@@ -18,7 +18,7 @@ use taotie_engine::error::{Error, Result};
 /// let text = r#"{ "version": "1.0.4", "model": { "triangles": { "maximum": 100000 } } }"#;
 /// let schema = AuditSchema::parse(text.as_bytes(), "schema.json")?;
 /// assert_eq!(schema.version(), "1.0.4");
-/// # Ok::<(), taotie_engine::Error>(())
+/// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "camelCase")]

@@ -1,0 +1,203 @@
+//! The outputs of a job in progress: the asset with its proof, its pictures, and the page that shows it in a browser.
+
+use crate::job::{Go, Job, Message};
+use crate::record::SCHEMA;
+use crate::settings::{Thumbnail, Turntable};
+use crate::store::{AssetObject, Store, VERSION, entries};
+use std::path::{Path, PathBuf};
+use taotie::asset::{Baker, Certificate, Proof, Report, ScanFile, Signature, WrittenAsset};
+use taotie::studio::{self, CameraOptions, Framing, LightOptions, MaterialOptions, View, Viewpoint};
+use taotie::{Bytes, Limits};
+use taotie_engine::film::Development;
+use taotie_engine::image::{Bitmap, Texels};
+use taotie_engine::render::{RenderSettings, Renderer, Shot};
+use taotie_engine::scene::Scene;
+use taotie_engine::{Progress, Result};
+use taotie_io::{AnimatedImage, AnimationFormat, AnimationSpec, FileSet};
+use taotie_report::bake_page;
+use taotie_report::viewer::AssetSubject;
+
+/// The callbacks of a process: to its driver, and to signal handling.
+#[derive(Clone, Copy)]
+pub struct Host<'a> {
+    /// Creates a set of files that signals can stop.
+    pub files: &'a (dyn Fn() -> FileSet + Sync),
+    /// Sends a message to the driver.
+    pub send: &'a (dyn Fn(Message) + Sync),
+    /// Waits for the driver's permission to begin.
+    pub go: &'a (dyn Fn() -> Go + Sync),
+}
+
+/// A job in progress.
+pub struct Work<'a> {
+    /// The job.
+    pub job: &'a Job,
+    /// The callbacks of its process.
+    pub host: Host<'a>,
+    /// The files that it writes.
+    pub store: Store,
+    /// Its stages.
+    pub progress: Progress<'a>,
+}
+
+impl Work<'_> {
+    /// Returns the name of the scan's file without its extension, the stem of all file names.
+    pub fn stem(&self) -> String {
+        let stem = self.job.scan.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        if stem.is_empty() { "asset".into() } else { stem }
+    }
+
+    /// Returns the memory limit for presenting an asset.
+    pub fn limit(&self) -> Option<Bytes> {
+        self.job.limits.memory
+    }
+}
+
+/// A path to write, and the set of files it belongs to.
+pub type Target<'a> = (&'a Path, &'a FileSet);
+
+/// Bakes a scan, proves it, and writes all files to an address.
+///
+/// # Errors
+/// Errors of any step; in that case no files are left behind.
+pub fn asset(work: &Work<'_>, file: ScanFile, address: &str) -> Result<AssetObject> {
+    let (job, progress) = (work.job, work.progress);
+    let settings = &job.settings.asset;
+    let files = (work.host.files)();
+    let path = work.store.claim(address, &files)?.join(format!("{}.glb", work.stem()));
+    files.protect(file.files())?;
+    let baker = Baker::new(settings.bake.clone()).with_limits(job.limits).with_files(&files);
+    let scan = file.into_scan(progress)?;
+    let asset = baker.bake(&scan, progress)?;
+    let written = asset.write_in(&files, &path, &settings.packing, progress)?;
+    let mut report = Report::of(&written)?;
+    let options = bake_page::options(settings.verify.clone(), settings.report);
+    let proof = written.verify(scan, &options, progress)?;
+    report.warnings.extend(proof.warnings.list());
+    report.proof = Some(proof.figures.clone());
+    let certificate = Certificate::of_written(&written, &proof.figures, &options, &Signature::default());
+    report.certificate = Some(certificate?);
+    let mut all = written.files().to_vec();
+    if settings.report {
+        all.extend(report_files(report.clone(), &proof, &written, &files)?);
+    }
+    progress.begin("commit")?;
+    files.commit()?;
+    let object = AssetObject {
+        kind: "asset".into(),
+        schema: SCHEMA,
+        version: VERSION.into(),
+        triangles_in: report.high_triangles,
+        triangles: report.triangles,
+        size: report.size,
+        figures: proof.figures,
+        warnings: report.warnings,
+        files: entries(&named(&all))?,
+    };
+    work.store.complete(address, &object, &(work.host.files)())?;
+    Ok(object)
+}
+
+/// Writes the report: a page and JSON. Neither contains paths or times, which vary between machines.
+fn report_files(
+    mut report: Report,
+    proof: &Proof,
+    written: &WrittenAsset,
+    files: &FileSet,
+) -> Result<[PathBuf; 2]> {
+    let [html, json] = ["report.html", "report.json"].map(|kind| written.path().with_extension(kind));
+    report.files.extend([html.clone(), json.clone()]);
+    files.write_text(
+        &html,
+        &taotie_report::html(&bake_page::page_of_collection(&report, proof, Some(written.asset()))?),
+    )?;
+    files.write_text(&json, &serde_json::to_string_pretty(&report).expect("all keys are text"))?;
+    Ok([html, json])
+}
+
+/// Pairs paths with their file names.
+fn named(files: &[PathBuf]) -> Vec<(String, PathBuf)> {
+    let name = |path: &PathBuf| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    files.iter().map(|path| (name(path), path.clone())).collect()
+}
+
+/// A model to be rendered.
+struct Sitter {
+    renderer: Renderer,
+    settings: RenderSettings,
+}
+
+/// Writes a picture of a model as lossless WebP.
+///
+/// # Errors
+/// Read and write errors.
+pub fn thumbnail(
+    model: &Path,
+    (path, files): Target<'_>,
+    Thumbnail { size }: Thumbnail,
+    work: &Work<'_>,
+) -> Result<()> {
+    let scene = load(model, work)?;
+    let viewpoint = framed(&scene, size, false)?;
+    let pixels = Sitter::new(scene, size)?.picture(viewpoint.at(0.0))?;
+    let bitmap = Bitmap::new(size, size, 4, Texels::U8(pixels))?;
+    files.write_bytes(path, &taotie_io::encode_webp_bitmap(&bitmap)?)
+}
+
+/// Writes one turn of a model as an animated PNG.
+///
+/// # Errors
+/// Read and write errors.
+pub fn turntable(
+    model: &Path,
+    (path, files): Target<'_>,
+    Turntable { size, frames }: Turntable,
+    work: &Work<'_>,
+) -> Result<()> {
+    let scene = load(model, work)?;
+    let viewpoint = framed(&scene, size, true)?;
+    let mut sitter = Sitter::new(scene, size)?;
+    let (format, seconds) = (AnimationFormat::Png, 4.0);
+    let spec = AnimationSpec { format, width: size, height: size, frames, seconds, alpha: true };
+    let mut image = AnimatedImage::create(files, path, &spec)?;
+    for view in viewpoint.turn(frames) {
+        image.add(&sitter.picture(view)?)?;
+    }
+    image.finish()
+}
+
+fn load(model: &Path, work: &Work<'_>) -> Result<Scene> {
+    let limits = Limits { memory: work.limit(), ..Limits::default() };
+    Ok(studio::load(model, &MaterialOptions::default(), &limits)?.scene)
+}
+
+fn framed(scene: &Scene, size: u32, all_around: bool) -> Result<Viewpoint> {
+    Viewpoint::choose(&CameraOptions::default(), Framing { size: [size; 2], all_around }, scene)
+}
+
+impl Sitter {
+    fn new(scene: Scene, size: u32) -> Result<Self> {
+        let settings = RenderSettings { width: size, height: size, ..RenderSettings::default() };
+        Ok(Self { renderer: Renderer::new(scene, &settings.surface)?, settings })
+    }
+
+    fn picture(&mut self, view: View<'_>) -> Result<Vec<[u8; 4]>> {
+        let scene = self.renderer.prepared().scene();
+        let lighting = LightOptions::default().lighting(None, scene, view);
+        let shot = Shot { camera: &view.camera(), lighting: &lighting, settings: &self.settings };
+        let mut pixels = Vec::new();
+        self.renderer.develop(&shot, &Development::default(), &mut pixels, Progress::SILENT)?;
+        Ok(pixels)
+    }
+}
+
+/// Writes the page that shows a model in a browser.
+///
+/// # Errors
+/// Read and write errors.
+pub fn viewer_page(model: &Path, (path, files): Target<'_>, work: &Work<'_>) -> Result<()> {
+    let limits = Limits { memory: work.limit(), ..Limits::default() };
+    let subject = AssetSubject { path: model, title: &work.stem(), limits: &limits, errors: None };
+    let (page, _) = subject.page(&|viewer| viewer.html())?;
+    files.write_text(path, &page)
+}
