@@ -35,11 +35,11 @@ pub use loaded::{GltfStructure, Loaded, RootNode, Variants};
 pub use write::encode_exr;
 pub use write::{
     AnimatedImage, AnimationFormat, AnimationSpec, CodecKind, CodecSet, FileBytes, FileSet, GltfAsset,
-    GltfDraft, GltfFormat, GltfImage, GltfLevel, GltfMaterial, GltfPacker, ImageCodec, ImageFormat,
-    LossyTexture, PackedGeometry, PackedImage, PngColor, PngImage, PngSamples, Stopper, TextureCodecs,
-    VertexBits, WrittenScene, encode_glb, encode_gltf, encode_jpeg_bitmap, encode_png, encode_png_bitmap,
-    encode_scene, encode_scene_as, encode_webp_bitmap, gltf_sampler, join_levels, write_bytes, write_gltf,
-    write_image, write_png, write_png_bitmap, write_scene, write_text,
+    GltfDraft, GltfFormat, GltfImage, GltfMaterial, GltfPacker, ImageCodec, ImageFormat, LossyTexture,
+    PackedGeometry, PackedImage, PngColor, PngImage, PngSamples, Stopper, TextureCodecs, VertexBits,
+    WrittenScene, encode_glb, encode_gltf, encode_jpeg_bitmap, encode_png, encode_png_bitmap, encode_scene,
+    encode_scene_as, encode_webp_bitmap, gltf_sampler, join_levels, write_bytes, write_gltf, write_image,
+    write_png, write_png_bitmap, write_scene, write_text,
 };
 pub use write::{EncodedModel, GltfGraft, GraftedMaterial, encode_graft, gltf_files};
 #[cfg(feature = "exr")]

@@ -18,9 +18,7 @@ use taotie_engine::scene::{
     GreenChannel, Instance, Material, NormalSpace, Scene, SceneData, TextureRef, UvTransform,
 };
 use taotie_engine::{Error, Progress, Result};
-use taotie_io::{
-    FileSet, GltfAsset, GltfFormat, GltfLevel, GltfMaterial, ImageCodec, load_model, write_gltf,
-};
+use taotie_io::{FileSet, GltfAsset, GltfFormat, GltfMaterial, ImageCodec, load_model, write_gltf};
 
 #[path = "../../../tests/common/mod.rs"]
 mod common;
@@ -264,7 +262,7 @@ fn all_can_be_sent_anywhere() {
 fn the_example_runs_on_a_file() {
     let folder = tempfile::tempdir().unwrap();
     let [high, low] = ["scan.glb", "out.glb"].map(|name| folder.path().join(name));
-    let levels = [GltfLevel { mesh: &wavy(128, 64), coverage: None }];
+    let levels = [&wavy(128, 64)];
     let material = GltfMaterial::default();
     let model = GltfAsset { levels: &levels, material, copyright: Some("nobody"), ..GltfAsset::default() };
     write_gltf(&high, &model, &GltfFormat::default()).unwrap();
@@ -420,7 +418,7 @@ fn an_asset_is_proved_before_it_is_in_its_place() {
 fn files_of_the_low_poly_mesh_are_not_written_over() {
     let folder = tempfile::tempdir().unwrap();
     let [path, buffer] = ["low.gltf", "low.bin"].map(|name| folder.path().join(name));
-    let levels = [GltfLevel { mesh: &Mesh::sphere(1.0, 24, 12), coverage: None }];
+    let levels = [&Mesh::sphere(1.0, 24, 12)];
     let low = GltfAsset { levels: &levels, ..GltfAsset::default() };
     write_gltf(&path, &low, &GltfFormat::default()).unwrap();
     let before = std::fs::read(&buffer).unwrap();

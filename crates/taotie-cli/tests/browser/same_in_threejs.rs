@@ -16,8 +16,8 @@ use taotie_engine::render::{Lighting, RenderSettings, Shot, render};
 use taotie_engine::scene::{Orbit, Scene, fitting_distance};
 use taotie_engine::surface::{TangentMethod, with_tangents};
 use taotie_io::{
-    CodecSet, GltfAsset, GltfFormat, GltfLevel, GltfMaterial, ImageCodec, PngColor, PngImage, PngSamples,
-    load_model, write_gltf, write_png,
+    CodecSet, GltfAsset, GltfFormat, GltfMaterial, ImageCodec, PngColor, PngImage, PngSamples, load_model,
+    write_gltf, write_png,
 };
 use taotie_study::jue;
 
@@ -90,9 +90,12 @@ fn the_vessel_looks_the_same() {
     ];
     for case in cases {
         let folder = empty_folder(&format!("same-in-threejs/{}", case.name));
-        let levels = [(&mesh, 0.1), (&coarse, 0.0)]
-            .map(|(mesh, coverage)| GltfLevel { mesh, coverage: Some(coverage) });
-        let asset = GltfAsset { levels: &levels, material: case.material, ..GltfAsset::default() };
+        let asset = GltfAsset {
+            levels: &[&mesh, &coarse],
+            coverages: &[0.1, 0.0],
+            material: case.material,
+            ..GltfAsset::default()
+        };
         write_gltf(&folder.join("model.glb"), &asset, &case.format).unwrap();
         assert_same(&node, &folder, &view, case.measured);
         assert_same_outline(&node, &folder, &orbit(&scene));

@@ -13,7 +13,7 @@ use taotie_engine::render::{EnvironmentLight, RenderSettings};
 use taotie_engine::shade::Shading;
 use taotie_engine::shade::environment::Environment;
 use taotie_engine::surface::{TangentMethod, with_tangents};
-use taotie_io::{ExrLayer, GltfAsset, GltfFormat, GltfLevel, GltfMaterial, write_exr, write_gltf};
+use taotie_io::{ExrLayer, GltfAsset, GltfFormat, GltfMaterial, write_exr, write_gltf};
 use taotie_study::jue;
 
 /// The largest mean difference of a channel, codes of 255. Measured: 0.026 to 0.044.
@@ -62,7 +62,7 @@ fn draw(names: &[&str]) {
     ];
     for case in cases.into_iter().filter(|case| names.contains(&case.name)) {
         let folder = empty_folder(&format!("shader-material/{}", case.name));
-        let levels = [GltfLevel { mesh: &mesh, coverage: None }];
+        let levels = [&mesh];
         let asset = GltfAsset { levels: &levels, material: case.material, ..GltfAsset::default() };
         write_gltf(&folder.join("model.glb"), &asset, &GltfFormat::default()).unwrap();
         assert_same(&node, &folder, &view, &case);

@@ -17,8 +17,7 @@ use taotie_engine::scene::AlphaMode;
 use taotie_engine::shade::Shading;
 use taotie_engine::surface::{SurfaceMethod, TangentMethod, with_tangents};
 use taotie_io::{
-    GltfAsset, GltfFormat, GltfLevel, GltfMaterial, decode_bitmap, load_model, read_bytes, write_gltf,
-    write_png_bitmap,
+    GltfAsset, GltfFormat, GltfMaterial, decode_bitmap, load_model, read_bytes, write_gltf, write_png_bitmap,
 };
 use taotie_study::jue;
 
@@ -128,7 +127,7 @@ impl Vessel {
         let [_, bronze] = materials(&scene);
         let texels = in_8_bits(scene.textures()[2].bitmap());
         let material = GltfMaterial { normal_map: Some((&texels).into()), ..bronze };
-        let levels = [GltfLevel { mesh: &mesh, coverage: None }];
+        let levels = [&mesh];
         let copyright = Some("A museum <b>");
         let asset = GltfAsset { levels: &levels, material, copyright, ..GltfAsset::default() };
         let [model, heights, normals] =
@@ -190,7 +189,7 @@ fn pressed(columns: usize, rows: usize, own: bool) -> Mesh {
 /// Writes the page of a coarse ball with wrong normals next to a fine one.
 fn write_proof(folder: &Path) {
     for (name, mesh) in [("low.glb", pressed(32, 16, false)), ("high.glb", pressed(96, 48, true))] {
-        let levels = [GltfLevel { mesh: &mesh, coverage: None }];
+        let levels = [&mesh];
         let asset = GltfAsset { levels: &levels, ..GltfAsset::default() };
         write_gltf(&folder.join(name), &asset, &GltfFormat::default()).unwrap();
     }

@@ -6,7 +6,7 @@ use super::place::Place;
 use serde_json::{Value, json};
 use snapbox::str;
 use taotie_engine::image::Texels;
-use taotie_io::{GltfAsset, GltfFormat, GltfLevel, Json, load_model, read_bitmap, write_gltf};
+use taotie_io::{GltfAsset, GltfFormat, Json, load_model, read_bitmap, write_gltf};
 
 /// A folder with a scan and a low-poly mesh.
 fn pair() -> Place {
@@ -514,7 +514,7 @@ fn rights_of_the_scan_are_kept_and_its_history_goes_on() {
         "xmpMM:History": { "@list": [{ "stEvt:action": "scanned" }] },
     }))
     .unwrap();
-    let levels = [GltfLevel { mesh, coverage: None }];
+    let levels = [mesh];
     let asset =
         GltfAsset { levels: &levels, copyright: Some("nobody"), xmp: Some(&packet), ..GltfAsset::default() };
     write_gltf(&place.path("scan.glb"), &asset, &GltfFormat::default()).unwrap();

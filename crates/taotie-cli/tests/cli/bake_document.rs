@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use taotie_engine::math::Vec3;
 use taotie_engine::mesh::{Mesh, MeshData};
 use taotie_engine::surface::with_frames;
-use taotie_io::{GltfAsset, GltfDraft, GltfFormat, GltfLevel, Json, load_model, read_bitmap};
+use taotie_io::{GltfAsset, GltfDraft, GltfFormat, Json, load_model, read_bitmap};
 
 /// Returns a folder with the scan, and the low-poly mesh that fits it.
 pub fn start() -> (Place, Mesh) {
@@ -21,7 +21,7 @@ pub fn start() -> (Place, Mesh) {
 
 /// Returns a document with only that mesh, to which a test adds what it needs.
 fn draft(low: &Mesh) -> GltfDraft {
-    let levels = [GltfLevel { mesh: low, coverage: None }];
+    let levels = [low];
     GltfDraft::new(&GltfAsset { levels: &levels, ..GltfAsset::default() }, &GltfFormat::default()).unwrap()
 }
 

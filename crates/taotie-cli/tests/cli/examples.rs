@@ -9,8 +9,7 @@ use std::fmt::Write;
 use taotie_engine::image::{Encoding, Texels};
 use taotie_engine::mesh::Mesh;
 use taotie_io::{
-    ExrLayer, GltfAsset, GltfFormat, GltfLevel, GltfMaterial, PngSamples, load_model, read_bitmap, write_exr,
-    write_gltf,
+    ExrLayer, GltfAsset, GltfFormat, GltfMaterial, PngSamples, load_model, read_bitmap, write_exr, write_gltf,
 };
 
 /// A square with UVs.
@@ -70,7 +69,7 @@ fn scan_and_low(place: &Place) {
     place.write("scan.ply", ply(&mesh("ball.obj")));
     let normals = read_bitmap(&place.path("normals.png")).expect("it is a picture");
     let material = GltfMaterial { normal_map: Some((&normals).into()), ..GltfMaterial::default() };
-    let levels = [GltfLevel { mesh: &mesh("low.obj"), coverage: None }];
+    let levels = [&mesh("low.obj")];
     let low = GltfAsset { levels: &levels, material, ..GltfAsset::default() };
     write_gltf(&place.path("low.glb"), &low, &GltfFormat::default()).expect("it can be written");
 }

@@ -6,7 +6,7 @@ use super::pictures::write_square;
 use super::place::Place;
 use std::collections::BTreeMap;
 use taotie_engine::image::Encoding;
-use taotie_io::{GltfAsset, GltfFormat, GltfLevel, PngSamples, load_model, write_gltf};
+use taotie_io::{GltfAsset, GltfFormat, PngSamples, load_model, write_gltf};
 
 /// A scan with a colour texture.
 const TEXTURED: Ball = Ball { uv: Some(|u, v| [u, v]), ..SCAN };
@@ -49,7 +49,7 @@ fn vase() -> Place {
 fn a_bake_keeps_the_buffer_of_its_scan() {
     let place = Place::with("ball.obj", SCAN.obj());
     let scene = load_model(&place.path("ball.obj")).unwrap().scene;
-    let levels = [GltfLevel { mesh: &scene.meshes()[0], coverage: None }];
+    let levels = [&scene.meshes()[0]];
     let asset = GltfAsset { levels: &levels, ..GltfAsset::default() };
     write_gltf(&place.path("Box0.gltf"), &asset, &GltfFormat::default()).unwrap();
     std::fs::rename(place.path("Box0.gltf"), place.path("Box.gltf")).unwrap();

@@ -1,11 +1,10 @@
 //! The directions and distances used to search for the high-poly surface.
 
-use super::area_samples::triangle_weights;
 use super::projection::{Correspondence, ProjectionRay};
 use super::scan::Scan;
 use crate::error::{Error, Result};
 use crate::math::{Vec3, sequence};
-use crate::mesh::{Mesh, Point, blend, each};
+use crate::mesh::{Mesh, Point, blend, each, triangle_weights};
 use crate::parallel;
 use crate::surface;
 use crate::trace::Bvh;

@@ -1,11 +1,10 @@
 //! Faults of a scan: edges and triangles that no closed surface has, and connected parts that cannot be seen: walls
 //! within walls, ghost layers, filled cavities.
 
-use super::area_samples::{Triangles, doubled_area, sample_triangles};
 use super::scan::Scan;
 use crate::error::Result;
 use crate::groups::{DisjointSets, Groups};
-use crate::mesh::{Mesh, MeshData};
+use crate::mesh::{Mesh, MeshData, Triangles, doubled_area, sample_triangles};
 use crate::parallel;
 use crate::surface;
 

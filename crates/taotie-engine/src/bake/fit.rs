@@ -1,12 +1,11 @@
 //! How well the shapes of a low-poly mesh and a scan fit together: their distance and orientation, and the parts of
 //! either that are far from the other.
 
-use super::area_samples::{Triangles, sample_area, sample_triangles};
 use super::scan::Scan;
 use super::verify::Verifier;
 use crate::error::Result;
 use crate::math::Vec3;
-use crate::mesh::{Mesh, Point};
+use crate::mesh::{Mesh, Point, Triangles, sample_area, sample_triangles};
 use crate::parallel;
 use crate::surface::facet_normal;
 use crate::trace::Bvh;

@@ -1,12 +1,11 @@
 //! Fits vertex normals of a low-poly mesh so that, interpolated, they match its scan's normals as closely as
 //! possible: least squares at the corners of triangles and at the vertices of the mesh.
 
-use super::area_samples::sample_area;
 use super::scan::Scan;
 use super::texture_lookup::LookupPoint;
 use crate::error::Result;
 use crate::math::{Mat4, Vec3};
-use crate::mesh::{Mesh, MeshData, Point};
+use crate::mesh::{Mesh, MeshData, Point, sample_area};
 use crate::parallel;
 use crate::surface::{facet_normal, parted};
 use crate::trace::Bvh;

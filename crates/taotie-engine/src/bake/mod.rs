@@ -6,7 +6,6 @@
 //! threads.
 
 mod appearance;
-mod area_samples;
 mod cage;
 mod coverage;
 mod faults;
@@ -29,7 +28,6 @@ mod unwrap;
 mod verify;
 
 pub use appearance::{MaterialSample, leading_texture};
-pub(crate) use area_samples::{Triangles, sample_area, sample_triangles};
 pub use cage::Cage;
 pub use coverage::{Coverage, TexelGrid};
 pub use faults::Faults;

@@ -1,10 +1,9 @@
 //! The viewpoints from which a surface is seen, from all sides or from the free space of a room, and a cache of which
 //! sides of its triangles can be seen from there.
 
-use super::area_samples::sample_area;
 use super::textured_mesh::TexturedMesh;
 use crate::math::{Vec3, scalar};
-use crate::mesh::{Mesh, Point};
+use crate::mesh::{Mesh, Point, sample_area};
 use crate::parallel;
 use crate::surface::facet_normal;
 use crate::trace::{Bvh, Ray};

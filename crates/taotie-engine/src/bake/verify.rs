@@ -1,7 +1,6 @@
 //! The errors of a low-poly mesh against the scan it was baked from: of its normals, of the material that it shows,
 //! and of both on its map, texel by texel.
 
-use super::area_samples::sample_area;
 use super::cage::Cage;
 use super::layout::{BAND, Layout};
 use super::projection::Correspondence;
@@ -11,7 +10,7 @@ use super::textured_mesh::TexturedMesh;
 use crate::compare::{Field, angle_deg, color_difference};
 use crate::error::{Error, Result};
 use crate::math::{Vec2, Vec3};
-use crate::mesh::{Mesh, Point};
+use crate::mesh::{Mesh, Point, sample_area};
 use crate::parallel;
 use crate::scene::{AlphaMode, Material};
 use std::borrow::Cow;

@@ -5,9 +5,9 @@
 //! and equation numbers below are the paper's; where it leaves a choice, the authors' published code decides (half
 //! widths of three standard deviations, images extended beyond their border).
 
+use super::DisplayImage;
 use super::color::{XYZ_FROM_RGB, lab_from_linear, opponent, product};
-use super::plane::Plane;
-use super::{DisplayImage, Field};
+use super::field::{Field, Plane};
 use crate::error::{Error, Result};
 use crate::math::srgb::linear_from_srgb;
 use crate::math::{Vec3, scalar};

@@ -1,8 +1,8 @@
 //! Metrics of the difference of two images: the root mean square error, the peak signal-to-noise ratio, the
 //! difference of each pixel, and the structural similarity.
 
-use super::plane::Plane;
-use super::{DisplayImage, Field};
+use super::DisplayImage;
+use super::field::{Field, Plane};
 use crate::error::{Error, Result};
 use crate::math::scalar;
 

@@ -1,8 +1,7 @@
 //! Development from light to display values: the settings, the formula for a pixel, and every step between an image's
 //! scene-referred light and a file, pack by pack.
 
-use super::srgb::{SRGB_CODES, round_to_codes, srgb_from_linear};
-use super::tone::{ToneCurve, clamped};
+use super::curves::{SRGB_CODES, ToneCurve, clamped, round_to_codes, srgb_from_linear};
 use crate::error::{Error, Result};
 use crate::image::Image;
 use crate::math::srgb::{Codes, in_low_bits};

@@ -7,7 +7,6 @@ mod bitmap;
 mod codec;
 mod filter;
 mod lookup;
-mod mips;
 mod sampler;
 mod texture;
 

@@ -1,6 +1,5 @@
 //! Numbers, vectors, matrices and frames, each formula written once over the number type [`Lane`].
 
-mod dual;
 mod lane;
 mod mat;
 mod number;
@@ -13,10 +12,9 @@ pub mod quadrature;
 pub mod sequence;
 pub mod srgb;
 
-pub use dual::Dual;
 pub use lane::{Lane, Mask};
 pub use mat::Mat4;
-pub use number::Number;
+pub use number::{Dual, Number};
 pub use pack::{Aligned, Column, Pack, Quads, Words};
 pub(crate) use pack::{BATCH, MOST_LANES};
 pub use simd::SimdLevel;

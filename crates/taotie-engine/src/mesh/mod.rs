@@ -5,6 +5,7 @@ mod point;
 mod repair;
 
 pub use point::{Point, TangentFrame};
+pub(crate) use point::{Triangles, doubled_area, sample_area, sample_triangles, triangle_weights};
 pub(crate) use point::{blend, each};
 pub use repair::{repair, with_flat_normals};
 

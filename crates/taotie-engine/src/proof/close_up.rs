@@ -1,10 +1,10 @@
 //! Points spread over the visible part of a surface, each compared with the other surface in its place.
 
 use super::{Look, Pair, Sample, Side, view_ray};
-use crate::bake::{LookupPoint, Scan, SightLine, sample_area};
+use crate::bake::{LookupPoint, Scan, SightLine};
 use crate::error::Result;
 use crate::math::{Vec3, scalar};
-use crate::mesh::{Mesh, Point};
+use crate::mesh::{Mesh, Point, sample_area};
 use crate::parallel;
 use crate::surface::facet_normal;
 

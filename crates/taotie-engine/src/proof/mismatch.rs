@@ -1,9 +1,9 @@
 //! The cause of a gross mismatch: a change of the whole asset that, if undone, brings it onto its scan.
 
-use crate::bake::{Scan, sample_area};
+use crate::bake::Scan;
 use crate::length::Unit;
 use crate::math::Vec3;
-use crate::mesh::{Mesh, Point};
+use crate::mesh::{Mesh, Point, sample_area};
 use crate::names::Named;
 use crate::parallel;
 use crate::scene::Bounds;

@@ -4,11 +4,11 @@
 use super::close_up::{CloseUp, Footprint, SurfaceSample, Viewer};
 use super::statistics::Estimate;
 use super::{Look, Pair, Sample};
-use crate::bake::{LookupPoint, Scan, Triangles, sample_triangles};
+use crate::bake::{LookupPoint, Scan};
 use crate::compare::Field;
 use crate::error::Result;
 use crate::math::{Mat4, Vec3};
-use crate::mesh::{Mesh, Point};
+use crate::mesh::{Mesh, Point, Triangles, sample_triangles};
 use crate::parallel;
 use crate::scene::{Camera, Projection};
 use crate::trace::Ray;

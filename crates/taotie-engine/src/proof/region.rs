@@ -4,9 +4,9 @@ use super::Pair;
 use super::close_up::{CloseUp, SurfaceSample, Viewer};
 use super::patch::{SHARE, Window, worst_window};
 use super::statistics::Estimate;
-use crate::bake::{Triangles, sample_triangles};
 use crate::error::Result;
 use crate::math::Vec3;
+use crate::mesh::{Triangles, sample_triangles};
 use crate::parallel;
 use std::collections::BTreeMap;
 

@@ -7,21 +7,18 @@
 
 mod barycentric;
 mod bin;
-mod cull;
 mod rasterize;
 mod screen;
 mod small;
 mod tile;
-mod viewport;
 
 pub use barycentric::{Barycentric, PerspectiveTriangle};
 pub(crate) use barycentric::{CornerNumbers, PlaneSetup, TRIANGLES};
 pub use bin::{Bins, Geometry, bin};
 pub use rasterize::{rasterize_layers, rasterize_opaque};
-pub(crate) use tile::NO_TRIANGLE;
+pub use tile::{Faces, SamplePattern, TILE_PIXELS, Viewport};
 pub use tile::{Layer, Tile, TilePlane, TileSample};
-pub(crate) use viewport::TILE_SIZE;
-pub use viewport::{Faces, SamplePattern, TILE_PIXELS, Viewport};
+pub(crate) use tile::{NO_TRIANGLE, TILE_SIZE};
 
 /// Subpixel positions per pixel, along each axis.
 const SUBPIXELS: i32 = 256;

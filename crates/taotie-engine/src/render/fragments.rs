@@ -1,8 +1,7 @@
 //! Computes fragments from interpolated vertices and textures.
 
-use super::batch::{BATCH, Batch, Points, TexelColumns};
+use super::batch::{BATCH, Batch, Column, Points, TexelColumns, get3, load};
 use super::camera::Eye;
-use super::columns::{Column, get3, load};
 use super::interpolate::Interpolation;
 use super::lookups::{Coordinates, Lookups, TextureUse};
 use super::tree::SmoothTriangle;

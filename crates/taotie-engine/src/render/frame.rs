@@ -1,9 +1,8 @@
 //! The finished image and its arbitrary output variables, and the tiles in which their samples are accumulated and
 //! written in parallel.
 
-use super::batch::Batch;
+use super::batch::{Batch, get3};
 use super::camera::View;
-use super::columns::get3;
 use super::settings::RenderSettings;
 use super::visibility::VisibleBatch;
 use crate::error::Result;

@@ -1,8 +1,7 @@
 //! Interpolates vertices to fragments: the values of corners, at points of their triangles.
 
-use super::batch::{Batch, Points};
+use super::batch::{Batch, Points, Run, load, load3, splat3, store3};
 use super::camera::Eye;
-use super::columns::{Run, load, load3, splat3, store3};
 use super::draw::Draw;
 use super::lookups::UvSet;
 use crate::math::{Pack, Vec3, dispatch_pack};

@@ -1,7 +1,6 @@
 //! The light on each fragment: lookups of the environment, and the radiance from lights, environment and emission.
 
-use super::batch::{Batch, EnvironmentColumns, Lanes};
-use super::columns::store3;
+use super::batch::{Batch, EnvironmentColumns, Lanes, store3};
 use super::draw::Draw;
 use super::settings::EnvironmentLight;
 use crate::math::{Pack, Vec3, dispatch_pack};

@@ -8,7 +8,6 @@
 mod background;
 mod batch;
 mod camera;
-mod columns;
 mod draw;
 mod fragments;
 mod frame;

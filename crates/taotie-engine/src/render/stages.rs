@@ -1,8 +1,7 @@
 //! The stages of an image: visibility, fragments, normals, shadows, lighting, and resolve into the tile.
 
-use super::batch::{Batch, Points};
+use super::batch::{Batch, Points, Run};
 use super::camera::View;
-use super::columns::Run;
 use super::draw::Draws;
 use super::frame::Resolve;
 use super::interpolate::{Interpolation, Screen};

@@ -1,8 +1,7 @@
 //! Fragments of a batch as points of a surface, the inputs of the pixel program: their shading normals, by the method
 //! of their draw, and the directional albedos of their lobes, looked up in the tables.
 
-use super::batch::{Batch, Lanes};
-use super::columns::{Column, get3, store3};
+use super::batch::{Batch, Column, Lanes, get3, store3};
 use super::draw::Draw;
 use super::settings::{GrazingNormals, RenderSettings};
 use crate::math::{Pack, Vec3, Words, dispatch_pack};

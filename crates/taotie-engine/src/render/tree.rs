@@ -1,8 +1,7 @@
 //! All triangles of a scene, sorted for rays: the opacity of a surface where a ray hits it, the surfaces that cast
 //! shadows, and the shadow rays of fragments.
 
-use super::batch::{BATCH, Batch};
-use super::columns::get3;
+use super::batch::{BATCH, Batch, get3};
 use super::draw::{Draw, Draws};
 use crate::math::{Vec2, Vec3};
 use crate::pixel::LightSource;

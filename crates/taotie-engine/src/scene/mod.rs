@@ -7,7 +7,6 @@ mod camera;
 mod layers;
 mod light;
 mod material;
-mod presets;
 mod texture_role;
 
 pub use bounds::{Bounds, Outline};
@@ -18,7 +17,7 @@ pub use material::{
     AlphaMode, Anisotropy, Classic, Clearcoat, GreenChannel, HeightMap, Material, NormalMap, NormalSpace,
     Sheen, Specular, TextureRef, UvTransform,
 };
-pub use presets::{PRESETS, Preset, preset};
+pub use material::{PRESETS, Preset, preset};
 pub use texture_role::TextureRole;
 
 use crate::error::{Error, Result};

@@ -9,7 +9,6 @@ mod creases;
 mod face_tangents;
 mod inspect;
 mod maps;
-mod mikktspace;
 mod normals;
 mod tangents;
 mod weld;

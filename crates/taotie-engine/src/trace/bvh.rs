@@ -2,9 +2,8 @@
 
 use super::Ray;
 use super::nearby::{Closest, closest, within};
-use super::order::{along_curve, by_area};
-use super::tree::{Tree, WIDTH};
-use super::walk::{Cast, Met, Span, walk};
+use super::ray::{Cast, Met, Span, walk};
+use super::tree::{Tree, WIDTH, along_curve, by_area};
 use crate::error::Result;
 use crate::math::{SimdLevel, Vec3, dispatch_eight};
 use crate::mesh::Point;

@@ -2,20 +2,18 @@
 
 mod bvh;
 mod nearby;
-mod order;
 mod packet_walk;
+mod ray;
 mod ray_packet;
 mod sweep;
 mod tree;
-mod triangle;
-mod walk;
 
 pub use bvh::{Bvh, FlatBox, FlatBvh, Hit, Nearest, RayInterval};
 pub use nearby::Closest;
 pub(crate) use nearby::distance_to_triangle;
+pub use ray::Ray;
 pub use ray_packet::{PacketOrigins, PacketView, ParallelRays, RayPacket};
 pub use sweep::{EightTriangles, Sweep};
-pub use triangle::Ray;
 
 /// Numbers for the tests of this module.
 #[cfg(test)]

@@ -7,10 +7,9 @@
 //! packet.
 
 use super::bvh::{Bvh, Hit};
+use super::ray::{Edges, Met, pierced};
 use super::ray_packet::{Bounds, Places, RayPacket};
 use super::tree::{Boxes, Tree, WIDTH};
-use super::triangle::{Edges, pierced};
-use super::walk::Met;
 use crate::math::{Lane, Mask, Pack, dispatch_eight};
 
 impl Bvh {

@@ -6,7 +6,7 @@ use std::path::Path;
 use taotie_engine::math::Vec3;
 use taotie_engine::mesh::Mesh;
 use taotie_engine::scene::{AlphaMode, Scene};
-use taotie_io::{GltfAsset, GltfFormat, GltfLevel, GltfMaterial, encode_glb, load_levels, write_gltf};
+use taotie_io::{GltfAsset, GltfFormat, GltfMaterial, encode_glb, load_levels, write_gltf};
 
 const MODES: [AlphaMode; 3] = [AlphaMode::Opaque, AlphaMode::Mask(0.25), AlphaMode::Blend];
 
@@ -55,8 +55,7 @@ fn each_mode_is_a_primitive_and_all_share_vertices() {
     let folder = tempfile::tempdir().unwrap();
     let meshes = [bumpy::sphere(40, 20), bumpy::sphere(20, 10)];
     let alpha_modes: Vec<Vec<AlphaMode>> = meshes.iter().map(modes).collect();
-    let levels = [Some(0.5), Some(0.1)];
-    let levels = [0, 1].map(|i| GltfLevel { mesh: &meshes[i], coverage: levels[i] });
+    let levels = meshes.each_ref();
     let color = bumpy::colors(8);
     let material = GltfMaterial {
         name: "leaf",
@@ -64,7 +63,13 @@ fn each_mode_is_a_primitive_and_all_share_vertices() {
         base_color_map: Some((&color).into()),
         ..GltfMaterial::default()
     };
-    let asset = GltfAsset { levels: &levels, material, alpha_modes: &alpha_modes, ..GltfAsset::default() };
+    let asset = GltfAsset {
+        levels: &levels,
+        coverages: &[0.5, 0.1],
+        material,
+        alpha_modes: &alpha_modes,
+        ..GltfAsset::default()
+    };
     for meshopt in [false, true] {
         let path = folder.path().join("m.gltf");
         write_gltf(&path, &asset, &GltfFormat { meshopt, ..GltfFormat::default() }).unwrap();
@@ -94,7 +99,7 @@ fn each_mode_is_a_primitive_and_all_share_vertices() {
 #[test]
 fn one_mode_for_all_changes_no_byte() {
     let mesh = bumpy::sphere(24, 12);
-    let levels = [GltfLevel { mesh: &mesh, coverage: None }];
+    let levels = [&mesh];
     for mode in MODES {
         let material = GltfMaterial { alpha: mode, ..GltfMaterial::default() };
         let asset = GltfAsset { levels: &levels, material, ..GltfAsset::default() };
@@ -110,7 +115,7 @@ fn one_mode_for_all_changes_no_byte() {
 #[test]
 fn modes_that_do_not_fit_the_triangles_are_refused() {
     let mesh = bumpy::sphere(8, 4);
-    let levels = [GltfLevel { mesh: &mesh, coverage: None }];
+    let levels = [&mesh];
     let count = mesh.triangles().len();
     let cases = [
         (vec![vec![AlphaMode::Blend; count - 1]], "one per triangle"),

@@ -8,8 +8,7 @@ use taotie_engine::image::Bitmap;
 use taotie_engine::math::{Mat4, Vec3};
 use taotie_engine::scene::Scene;
 use taotie_io::{
-    GltfAsset, GltfFormat, GltfLevel, GltfMaterial, Loaded, encode_glb, encode_scene, join_levels,
-    load_levels,
+    GltfAsset, GltfFormat, GltfMaterial, Loaded, encode_glb, encode_scene, join_levels, load_levels,
 };
 use tempfile::TempDir;
 
@@ -93,7 +92,7 @@ fn other_formats_have_one_level() {
 /// A ball of `columns` columns with a colour texture and a normal map, as GLB.
 fn ball(columns: usize, normals: &Bitmap, format: &GltfFormat) -> Vec<u8> {
     let (mesh, colors) = (bumpy::sphere(columns, columns / 2), bumpy::colors(16));
-    let levels = [GltfLevel { mesh: &mesh, coverage: None }];
+    let levels = [&mesh];
     let (base_color_map, normal_map) = (Some((&colors).into()), Some(normals.into()));
     let material = GltfMaterial { base_color_map, normal_map, ..GltfMaterial::default() };
     encode_glb(&GltfAsset { levels: &levels, material, ..GltfAsset::default() }, format).unwrap()

@@ -5,8 +5,7 @@ use std::collections::BTreeMap;
 use taotie_engine::math::{Mat4, Vec3};
 use taotie_engine::mesh::Mesh;
 use taotie_io::{
-    CodecSet, GltfAsset, GltfFormat, GltfLevel, GltfMaterial, Loaded, encode_glb, load_levels, load_model,
-    write_gltf,
+    CodecSet, GltfAsset, GltfFormat, GltfMaterial, Loaded, encode_glb, load_levels, load_model, write_gltf,
 };
 
 fn packed(asset: &GltfAsset, name: &str) -> Loaded {
@@ -16,10 +15,6 @@ fn packed(asset: &GltfAsset, name: &str) -> Loaded {
     let loaded = load_model(&path).unwrap_or_else(|e| panic!("{e}"));
     assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
     loaded
-}
-
-fn level(mesh: &Mesh) -> GltfLevel<'_> {
-    GltfLevel { mesh, coverage: None }
 }
 
 /// Every vertex used by a triangle, by its position in the lattice of uvs with `cells` cells per side.
@@ -64,7 +59,7 @@ fn assert_near(read: &Mesh, ours: &Mesh, cells: f32, (place, step): (&Mat4, f64)
 fn packed_meshes_are_within_half_a_step() {
     for (mesh, cells, extent) in [(bumpy::sphere(40, 20), 40.0, 3.0), (bumpy::sheet(300, 300), 299.0, 29.9)] {
         for name in ["m.glb", "m.gltf"] {
-            let loaded = packed(&GltfAsset { levels: &[level(&mesh)], ..GltfAsset::default() }, name);
+            let loaded = packed(&GltfAsset { levels: &[&mesh], ..GltfAsset::default() }, name);
             let place = loaded.scene.instances()[0].world_from_object;
             assert_near(&loaded.scene.meshes()[0], &mesh, cells, (&place, extent / 65535.0));
             assert_eq!(loaded.extensions_required, ["EXT_meshopt_compression", "KHR_mesh_quantization"]);
@@ -76,7 +71,7 @@ fn packed_meshes_are_within_half_a_step() {
 #[test]
 fn both_extensions_hold_the_same_mesh() {
     let mesh = bumpy::sphere(80, 40);
-    let asset = GltfAsset { levels: &[level(&mesh)], ..GltfAsset::default() };
+    let asset = GltfAsset { levels: &[&mesh], ..GltfAsset::default() };
     let folder = tempfile::tempdir().unwrap();
     let [portable, latest] = [CodecSet::Portable, CodecSet::WebLatest].map(|codecs| {
         let bytes =
@@ -97,7 +92,7 @@ fn uvs_beyond_the_texture_stay_as_they_are() {
     let mut data = bumpy::sheet(9, 9).into_data();
     data.uvs[0].iter_mut().for_each(|uv| *uv = *uv * 3.0);
     let mesh = Mesh::new(data).unwrap();
-    let loaded = packed(&GltfAsset { levels: &[level(&mesh)], ..GltfAsset::default() }, "m.glb");
+    let loaded = packed(&GltfAsset { levels: &[&mesh], ..GltfAsset::default() }, "m.glb");
     let sorted = |mesh: &Mesh| {
         let mut uvs: Vec<_> = mesh.uvs()[0].iter().map(|uv| [uv.x.to_bits(), uv.y.to_bits()]).collect();
         uvs.sort_unstable();
@@ -114,15 +109,14 @@ fn levels_share_one_place_and_material() {
     let color = bumpy::colors(8);
     let material = GltfMaterial { base_color_map: Some((&color).into()), ..GltfMaterial::default() };
     for (meshopt, covered) in [(false, true), (true, true), (true, false)] {
-        let coverage = |i: usize| covered.then_some([0.5, 0.2, 0.01][i]);
-        let levels: Vec<GltfLevel> =
-            meshes.iter().enumerate().map(|(i, mesh)| GltfLevel { mesh, coverage: coverage(i) }).collect();
-        let asset = GltfAsset { name: "ball", levels: &levels, material, ..GltfAsset::default() };
+        let levels = meshes.each_ref();
+        let coverages: &[f32] = if covered { &[0.5, 0.2, 0.01] } else { &[] };
+        let asset = GltfAsset { name: "ball", levels: &levels, coverages, material, ..GltfAsset::default() };
         write_gltf(&path, &asset, &GltfFormat { meshopt, ..GltfFormat::default() }).unwrap();
         let json: serde_json::Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
         assert_eq!(json["nodes"][0]["extensions"]["MSFT_lod"]["ids"], serde_json::json!([1, 2]));
-        let coverages = if covered { serde_json::json!([0.5, 0.2, 0.01]) } else { serde_json::Value::Null };
-        assert_eq!(json["nodes"][0]["extras"]["MSFT_screencoverage"], coverages);
+        let written = if covered { serde_json::json!([0.5, 0.2, 0.01]) } else { serde_json::Value::Null };
+        assert_eq!(json["nodes"][0]["extras"]["MSFT_screencoverage"], written);
         assert_eq!(json["scenes"][0]["nodes"], serde_json::json!([0]));
         assert_eq!(json["materials"].as_array().unwrap().len(), 1);
         let place =
@@ -141,7 +135,8 @@ fn levels_share_one_place_and_material() {
             assert_eq!(scene.instances()[0].world_from_object, loaded.scene.instances()[0].world_from_object);
             assert_eq!((scene.textures().len(), bitmap(of)), (1, bitmap(&read[0])), "one map, decoded once");
         }
-        let one = GltfAsset { levels: &levels[..1], ..asset };
+        let one =
+            GltfAsset { levels: &levels[..1], coverages: coverages.get(..1).unwrap_or_default(), ..asset };
         write_gltf(&path, &one, &GltfFormat { meshopt, ..GltfFormat::default() }).unwrap();
         assert!(!std::fs::read_to_string(&path).unwrap().contains("MSFT"));
     }

@@ -13,7 +13,7 @@ use taotie_engine::math::Vec3;
 use taotie_engine::mesh::Mesh;
 use taotie_engine::scene::{AlphaMode, Instance, Material, Scene, SceneData, TextureRef, UvTransform};
 use taotie_io::{CodecSet, GltfPacker, GltfSource, Limits, Loaded, PackedGeometry, PackedImage, load_model};
-use taotie_io::{GltfAsset, GltfFormat, GltfLevel, GltfMaterial, encode_glb, encode_scene_as};
+use taotie_io::{GltfAsset, GltfFormat, GltfMaterial, encode_glb, encode_scene_as};
 #[cfg(feature = "webp")]
 use taotie_io::{ImageCodec, decode_bitmap};
 
@@ -132,7 +132,7 @@ fn an_extension_that_nothing_needs_any_more_is_not_required() {
     let opaque = Bitmap::new(64, 64, 3, Texels::U8(vec![[9, 90, 200, 255]; 64 * 64])).unwrap();
     let material = GltfMaterial { base_color_map: Some((&opaque).into()), ..GltfMaterial::default() };
     let (mesh, images) = (Mesh::sphere(1.0, 16, 8), ImageCodec::Avif(90).into());
-    let levels = [GltfLevel { mesh: &mesh, coverage: None }];
+    let levels = [&mesh];
     let asset = GltfAsset { levels: &levels, material, ..GltfAsset::default() };
     let file = encode_glb(&asset, &GltfFormat { images, ..GltfFormat::default() }).unwrap();
     let packer = GltfPacker::open(GltfSource::Glb(&file), &Limits::default()).unwrap();

@@ -4,7 +4,7 @@ use crate::bumpy;
 use image::ImageReader;
 use taotie_engine::image::{Bitmap, Texels};
 use taotie_engine::scene::AlphaMode;
-use taotie_io::{GltfAsset, GltfFormat, GltfLevel, GltfMaterial, ImageCodec, encode_gltf, load_model};
+use taotie_io::{GltfAsset, GltfFormat, GltfMaterial, ImageCodec, encode_gltf, load_model};
 use tempfile::TempDir;
 
 /// The textures of a model in files.
@@ -15,7 +15,7 @@ struct Files {
 impl Files {
     fn new(material: GltfMaterial<'_>, format: &GltfFormat) -> Self {
         let (mesh, folder) = (bumpy::sphere(8, 4), tempfile::tempdir().unwrap());
-        let levels = [GltfLevel { mesh: &mesh, coverage: None }];
+        let levels = [&mesh];
         let asset = GltfAsset { levels: &levels, material, ..GltfAsset::default() };
         for file in encode_gltf(&folder.path().join("m.gltf"), &asset, format).unwrap() {
             std::fs::write(file.path, file.bytes).unwrap();
@@ -208,7 +208,7 @@ fn rdo_leaves_normals_alone() {
 fn numbers_that_are_not_read_are_refused() {
     let color = bumpy::colors(16);
     let mesh = bumpy::sphere(8, 4);
-    let levels = [GltfLevel { mesh: &mesh, coverage: None }];
+    let levels = [&mesh];
     let asset = GltfAsset { levels: &levels, material: colored(&color), ..GltfAsset::default() };
     for (format, said) in [
         (webp(0), "image format webp:0: use 1 to 100"),

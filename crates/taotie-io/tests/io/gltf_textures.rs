@@ -6,8 +6,7 @@ use taotie_engine::compare::angle_deg;
 use taotie_engine::image::{Bitmap, Texels};
 use taotie_engine::math::Vec3;
 use taotie_io::{
-    GltfAsset, GltfFormat, GltfLevel, GltfMaterial, ImageCodec, TextureCodecs, encode_glb, load_model,
-    write_gltf,
+    GltfAsset, GltfFormat, GltfMaterial, ImageCodec, TextureCodecs, encode_glb, load_model, write_gltf,
 };
 
 /// The textures of a GLB with these maps, in the order colour, normals.
@@ -18,7 +17,7 @@ fn read_back(color: &Bitmap, normal: &Bitmap, images: impl Into<TextureCodecs>) 
         normal_map: Some(normal.into()),
         ..GltfMaterial::default()
     };
-    let levels = [GltfLevel { mesh: &mesh, coverage: None }];
+    let levels = [&mesh];
     let asset = GltfAsset { levels: &levels, material, ..GltfAsset::default() };
     let bytes = encode_glb(&asset, &GltfFormat { images: images.into(), ..GltfFormat::default() }).unwrap();
     let folder = tempfile::tempdir().unwrap();
@@ -118,8 +117,7 @@ fn waves() -> Bitmap {
 fn first_image(color: &Bitmap) -> Vec<u8> {
     let mesh = bumpy::sphere(8, 4);
     let material = GltfMaterial { base_color_map: Some(color.into()), ..GltfMaterial::default() };
-    let asset =
-        GltfAsset { levels: &[GltfLevel { mesh: &mesh, coverage: None }], material, ..GltfAsset::default() };
+    let asset = GltfAsset { levels: &[&mesh], material, ..GltfAsset::default() };
     let format = GltfFormat { images: ImageCodec::Ktx2(0).into(), ..GltfFormat::default() };
     let bytes = encode_glb(&asset, &format).unwrap();
     let at = bytes.windows(8).position(|w| w == b"\xabKTX 20\xbb").expect("a KTX2 file");
@@ -146,8 +144,7 @@ fn sides_that_the_extension_forbids_are_named() {
     let mesh = bumpy::sphere(8, 4);
     let color = bumpy::colors(18);
     let material = GltfMaterial { base_color_map: Some((&color).into()), ..GltfMaterial::default() };
-    let asset =
-        GltfAsset { levels: &[GltfLevel { mesh: &mesh, coverage: None }], material, ..GltfAsset::default() };
+    let asset = GltfAsset { levels: &[&mesh], material, ..GltfAsset::default() };
     let format = GltfFormat { images: ImageCodec::Ktx2(0).into(), ..GltfFormat::default() };
     let error = encode_glb(&asset, &format).unwrap_err().to_string();
     assert!(error.contains("18×18") && error.contains("multiples of 4"), "{error}");
@@ -162,7 +159,7 @@ fn jpeg_is_for_colours_alone() {
         normal_map: Some((&normal).into()),
         ..GltfMaterial::default()
     };
-    let levels = [GltfLevel { mesh: &mesh, coverage: None }];
+    let levels = [&mesh];
     let asset = GltfAsset { levels: &levels, material, ..GltfAsset::default() };
     let path = folder.path().join("m.gltf");
     let written = |quality: u8| {
@@ -219,7 +216,7 @@ fn threads_change_no_byte() {
         normal_map: Some((&normal).into()),
         ..GltfMaterial::default()
     };
-    let levels = [GltfLevel { mesh: &mesh, coverage: None }];
+    let levels = [&mesh];
     let asset = GltfAsset { levels: &levels, material, ..GltfAsset::default() };
     let plain = GltfFormat { meshopt: true, ..GltfFormat::default() };
     let formats = [

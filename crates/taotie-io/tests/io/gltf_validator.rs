@@ -4,7 +4,7 @@ use crate::{bumpy, rich, validator};
 use taotie_engine::mesh::Mesh;
 use taotie_engine::scene::{AlphaMode, Clearcoat, Material};
 use taotie_io::{
-    CodecSet, GltfAsset, GltfFormat, GltfLevel, GltfMaterial, ImageCodec, Provenance, write_gltf, write_scene,
+    CodecSet, GltfAsset, GltfFormat, GltfMaterial, ImageCodec, Provenance, write_gltf, write_scene,
 };
 
 /// Messages of the validator for valid files: extensions unknown to it, content used only by them, and attributes
@@ -22,10 +22,6 @@ fn check(asset: &GltfAsset, format: &GltfFormat) -> bool {
         assert!(unknown.is_empty(), "{unknown:#?}");
         true
     })
-}
-
-fn level(mesh: &Mesh) -> GltfLevel<'_> {
-    GltfLevel { mesh, coverage: None }
 }
 
 #[test]
@@ -56,12 +52,11 @@ fn every_kind_of_file_is_valid() {
         ..plain
     };
     let (fine, coarse, large) = (bumpy::sphere(24, 12), bumpy::sphere(12, 6), bumpy::sheet(257, 257));
-    let one = [level(&fine)];
-    let several =
-        [GltfLevel { mesh: &fine, coverage: Some(0.5) }, GltfLevel { mesh: &coarse, coverage: Some(0.1) }];
-    let large = [level(&large)];
+    let one = [&fine];
+    let several = [&fine, &coarse];
+    let large = [&large];
     let xmp = Provenance { source: "jug.ply", sha256: "00", tool: "a tool", parameters: "" }.extend(None);
-    let cases: [(&[GltfLevel], GltfMaterial); 6] = [
+    let cases: [(&[&Mesh], GltfMaterial); 6] = [
         (&one, GltfMaterial::default()),
         (&one, plain),
         (&one, deep),
@@ -87,6 +82,7 @@ fn every_kind_of_file_is_valid() {
             let asset = GltfAsset {
                 name: "ball",
                 levels,
+                coverages: if levels.len() > 1 { &[0.5, 0.1] } else { &[] },
                 material,
                 copyright: Some("© nobody"),
                 xmp: Some(&xmp),
@@ -117,7 +113,7 @@ fn a_whole_scene_is_valid() {
 fn a_fault_is_found() {
     let (folder, mesh) = (tempfile::tempdir().unwrap(), bumpy::sheet(5, 5));
     let path = folder.path().join("m.gltf");
-    write_gltf(&path, &GltfAsset { levels: &[level(&mesh)], ..GltfAsset::default() }, &GltfFormat::default())
+    write_gltf(&path, &GltfAsset { levels: &[&mesh], ..GltfAsset::default() }, &GltfFormat::default())
         .unwrap();
     let numbers = folder.path().join("m.bin");
     let mut bytes = std::fs::read(&numbers).unwrap();

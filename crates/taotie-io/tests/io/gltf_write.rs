@@ -5,8 +5,7 @@ use std::path::Path;
 use taotie_engine::image::{Bitmap, Encoding, MipFilter, Texels, Wrap};
 use taotie_engine::mesh::Mesh;
 use taotie_io::{
-    GltfAsset, GltfFormat, GltfImage, GltfLevel, GltfMaterial, Json, Loaded, encode_glb, load_model,
-    write_gltf,
+    GltfAsset, GltfFormat, GltfImage, GltfMaterial, Json, Loaded, encode_glb, load_model, write_gltf,
 };
 
 struct Maps {
@@ -36,10 +35,6 @@ impl Maps {
             ..GltfMaterial::default()
         }
     }
-}
-
-fn level(mesh: &Mesh) -> GltfLevel<'_> {
-    GltfLevel { mesh, coverage: None }
 }
 
 fn read(path: &Path) -> Loaded {
@@ -85,7 +80,7 @@ fn assert_same_material(loaded: &Loaded, maps: &Maps) {
 #[test]
 fn both_containers_read_back_as_written() {
     let (folder, maps, mesh) = (tempfile::tempdir().unwrap(), Maps::new(), bumpy::sphere(24, 12));
-    let levels = [level(&mesh)];
+    let levels = [&mesh];
     let extras = Json::parse(r#"{"baked":true}"#).unwrap();
     let packet = r#"{"@context":{"x":"https://x/"},"x:a":1.0,"x:b":{"extras":[2.5]}}"#;
     let xmp = Json::parse(packet).unwrap();
@@ -130,7 +125,7 @@ fn indices_are_as_wide_as_they_must_be() {
     let path = folder.path().join("m.gltf");
     for (columns, rows, component) in [(255, 257, 5123), (256, 256, 5125)] {
         let mesh = bumpy::sheet(columns, rows);
-        let (levels, asset) = ([level(&mesh)], GltfAsset::default());
+        let (levels, asset) = ([&mesh], GltfAsset::default());
         write_gltf(&path, &GltfAsset { levels: &levels, ..asset }, &GltfFormat::default()).unwrap();
         assert!(read(&path).scene.meshes()[0].triangles() == mesh.triangles());
         let json: serde_json::Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
@@ -145,7 +140,7 @@ fn files_that_are_there_are_named_and_not_written() {
     let maps = Maps::new();
     let material =
         GltfMaterial { base_color_map: Some(GltfImage::File("its colour.png")), ..Default::default() };
-    let levels = [level(&mesh)];
+    let levels = [&mesh];
     let asset = GltfAsset { levels: &levels, material, ..GltfAsset::default() };
     taotie_io::write_png_bitmap(&folder.path().join("its colour.png"), &maps.color, Encoding::Srgb).unwrap();
     for name in ["m.glb", "m.gltf"] {
@@ -167,13 +162,13 @@ fn what_gltf_cannot_say_is_refused() {
     let float = Bitmap::new(1, 1, 3, Texels::F32(vec![[0.5; 4]])).unwrap();
     let plain = GltfMaterial::default();
     let with = |bitmap| GltfMaterial { base_color_map: Some(bitmap), ..plain };
-    let wrong: [(&[GltfLevel], GltfMaterial, &str); 6] = [
+    let wrong: [(&[&Mesh], GltfMaterial, &str); 6] = [
         (&[], plain, "at least one level"),
-        (&[level(&mesh), level(&empty)], plain, "level 1"),
-        (&[level(&bare)], with((&color).into()), "no uvs"),
-        (&[level(&mesh)], with((&float).into()), "8 or 16 bits"),
-        (&[level(&mesh)], GltfMaterial { roughness: 1.5, ..plain }, "roughness: 1.5"),
-        (&[level(&mesh)], GltfMaterial { normal_scale: f32::NAN, ..plain }, "not finite"),
+        (&[&mesh, &empty], plain, "level 1"),
+        (&[&bare], with((&color).into()), "no uvs"),
+        (&[&mesh], with((&float).into()), "8 or 16 bits"),
+        (&[&mesh], GltfMaterial { roughness: 1.5, ..plain }, "roughness: 1.5"),
+        (&[&mesh], GltfMaterial { normal_scale: f32::NAN, ..plain }, "not finite"),
     ];
     for (levels, material, words) in wrong {
         let asset = GltfAsset { levels, material, ..GltfAsset::default() };

@@ -5,10 +5,10 @@ use crate::gltf::triangle;
 use taotie_engine::image::{Bitmap, Encoding, Texels, Wrap};
 use taotie_engine::mesh::{Mesh, MeshData};
 use taotie_engine::scene::{AlphaMode, Clearcoat, Material, Sheen, Specular};
-use taotie_io::{GltfAsset, GltfFormat, GltfLevel, GltfMaterial, ImageCodec, Loaded, encode_glb, load_model};
+use taotie_io::{GltfAsset, GltfFormat, GltfMaterial, ImageCodec, Loaded, encode_glb, load_model};
 
 fn encoded(mesh: &Mesh, material: GltfMaterial, images: ImageCodec) -> taotie_engine::Result<Vec<u8>> {
-    let levels = [GltfLevel { mesh, coverage: None }];
+    let levels = [mesh];
     let asset = GltfAsset { levels: &levels, material, ..GltfAsset::default() };
     encode_glb(&asset, &GltfFormat { images: images.into(), ..GltfFormat::default() })
 }

@@ -10,7 +10,7 @@ use taotie_engine::math::Mat4;
 use taotie_engine::mesh::Mesh;
 use taotie_engine::mesh::deform::Binding;
 use taotie_engine::scene::animation::{Node, RigData, Sampler, Transform};
-use taotie_io::{GltfAsset, GltfDraft, GltfFormat, GltfImage, GltfLevel, GltfMaterial, Json};
+use taotie_io::{GltfAsset, GltfDraft, GltfFormat, GltfImage, GltfMaterial, Json};
 
 /// The index of the rig's first node in the file.
 const FIRST: usize = 1;
@@ -40,7 +40,7 @@ pub fn write_pouring(output: &Output<'_>, vessel: &Vessel) -> Result<PathBuf> {
 
 /// Starts a file for the vessel with the texture files of its scene; `normals` is the one for its relief.
 fn draft(mesh: &Mesh, normals: Option<&str>) -> Result<GltfDraft> {
-    let levels = [GltfLevel { mesh, coverage: None }];
+    let levels = [mesh];
     let asset =
         GltfAsset { name: "jue", levels: &levels, material: material(normals), ..GltfAsset::default() };
     GltfDraft::new(&asset, &GltfFormat::default())

@@ -7,7 +7,7 @@ pub const CIRCLES: [(&[&str], &str); 0] = [];
 pub const LONG_FUNCTIONS: [(&str, &str); 0] = [];
 
 /// Figures that miss their targets today. They may only improve; the test asks for the new value.
-pub const RECORDED: [(&str, usize); 13] = [
+pub const RECORDED: [(&str, usize); 12] = [
     ("files of the library", 357),
     ("production files that mention `sheen`", 46),
     ("production files that mention `anisotropy`", 39),
@@ -16,8 +16,7 @@ pub const RECORDED: [(&str, usize); 13] = [
     // A bake also reads its scan's maps, with filters of its samples.
     ("places that choose the shading normal", 2),
     ("hand-written lines of shaders", 540),
-    ("writers of a glTF material", 3),
-    ("public `Gltf` types", 11),
+    ("public `Gltf` types", 10),
     ("files of `asset`", 48),
     ("levels of imports in `asset`", 12),
     ("public names", 164),

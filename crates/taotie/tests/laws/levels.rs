@@ -9,9 +9,7 @@ use taotie_engine::Progress;
 use taotie_engine::image::{Bitmap, Texels};
 use taotie_engine::math::{Vec3, scalar::sin};
 use taotie_engine::mesh::{Mesh, MeshData};
-use taotie_io::{
-    GltfAsset, GltfFormat, GltfLevel, GltfMaterial, GltfSizes, GltfSource, load_levels, write_gltf,
-};
+use taotie_io::{GltfAsset, GltfFormat, GltfMaterial, GltfSizes, GltfSource, load_levels, write_gltf};
 
 /// A closed ball with waves.
 fn wavy() -> Scan {
@@ -80,7 +78,7 @@ fn textured(folder: &Path) -> Scan {
     let texel = |i: u32| [(i % 64 * 4) as u8, (i / 64 * 4) as u8, (i % 7 * 30) as u8, 255];
     let colors = Bitmap::new(64, 64, 3, Texels::U8((0..64 * 64).map(texel).collect())).unwrap();
     let material = GltfMaterial { base_color_map: Some((&colors).into()), ..GltfMaterial::default() };
-    let levels = [GltfLevel { mesh: &mesh, coverage: None }];
+    let levels = [&mesh];
     let model = GltfAsset { levels: &levels, material, ..GltfAsset::default() };
     write_gltf(&path, &model, &GltfFormat::default()).unwrap();
     Scan::read(&path, &Limits::default(), Progress::SILENT).unwrap()

@@ -6,7 +6,6 @@ mod fan;
 mod part;
 mod reduction;
 mod repair;
-mod unit_cube;
 mod weld;
 
 use crate::error::{Error, Result, Warnings};
@@ -18,8 +17,8 @@ use collapse::{Reduced, is_near, lighten};
 pub use collapse::{SimplifyMethod, SimplifyOptions};
 use meshopt::SimplifyOptions as Choices;
 use part::{Components, Fate, Part, adapter, compact, triples};
+pub(super) use part::{UnitCube, morton};
 use reduction::reduce;
-pub(super) use unit_cube::{UnitCube, morton};
 pub(super) use weld::places;
 use weld::weld;
 

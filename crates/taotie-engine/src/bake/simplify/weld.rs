@@ -8,8 +8,7 @@
 //! vertex differ if a surface was computed piece by piece, transformed, or written with few digits. For
 //! simplification each such seam is a border to preserve, and if many meet, nothing can be collapsed.
 
-use super::part::Part;
-use super::unit_cube::{FineCells, UnitCube, morton};
+use super::part::{FineCells, Part, UnitCube, morton};
 use crate::error::Warnings;
 use crate::math::Vec3;
 use crate::mesh::Mesh;

@@ -1,7 +1,6 @@
 //! An image by paths of light, tile by tile: starts the paths of a tile and sums their light.
 
-use super::super::batch::Batch;
-use super::super::columns::get3;
+use super::super::batch::{Batch, get3};
 use super::super::frame::Frame;
 use super::super::prepare::Prepared;
 use super::super::settings::{RenderSettings, Shot};

@@ -4,7 +4,7 @@
 //! A path starts at a uniformly sampled point of a pixel and meets surfaces (see [`tracer`]). At each it gathers
 //! direct light: from every point, spot and directional light by a shadow ray, and from the environment by two
 //! techniques that are weighted against each other: sampling the environment's brightness, and sampling the surface's
-//! reflection ([`evaluate`]). Then it continues in the second direction. Reflection is
+//! reflection ([`bsdf`]). Then it continues in the second direction. Reflection is
 //! [`SurfacePoint::reflect`](crate::pixel::SurfacePoint::reflect), so that every named model works, physical or not.
 //! Textures are read at their finest level, since a pixel's many paths average them.
 //!
@@ -12,9 +12,8 @@
 //! shadowed are the same as in the rasteriser, so that direct light is equal. One thing differs: blended surfaces
 //! transmit light in proportion to their transparency, while the rasteriser's cast no shadow.
 
-mod evaluate;
+mod bsdf;
 mod image;
-mod scatter;
 mod tracer;
 mod walk;
 

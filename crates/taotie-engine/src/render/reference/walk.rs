@@ -1,13 +1,11 @@
 //! Paths from one surface to the next.
 
-use super::super::batch::{BATCH, Batch};
-use super::super::columns::{Run, get3, set3};
+use super::super::batch::{BATCH, Batch, Run, get3, set3};
 use super::super::draw::Draw;
 use super::super::interpolate::Interpolation;
 use super::super::surface_point::complete;
 use super::EnvironmentSampling;
-use super::evaluate::{BsdfBatch, BsdfQuery, evaluate};
-use super::scatter::is_grooved;
+use super::bsdf::{BsdfBatch, BsdfQuery, evaluate, is_grooved};
 use super::tracer::{Intersection, Tracer};
 use crate::math::Vec3;
 use crate::math::sequence::{Sequence, hash};

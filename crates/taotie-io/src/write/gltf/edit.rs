@@ -49,6 +49,15 @@ pub(super) fn remove(of: &mut Value, name: &str) {
     of.as_object_mut().and_then(|members| members.remove(name));
 }
 
+/// Removes an extension of an object.
+pub(super) fn drop_extension(of: &mut Value, name: &str) {
+    let Some(extensions) = of.get_mut("extensions") else { return };
+    remove(extensions, name);
+    if *extensions == json!({}) {
+        remove(of, "extensions");
+    }
+}
+
 /// Removes a list and returns its items.
 pub(super) fn taken(of: &mut Value, name: &str) -> Vec<Value> {
     match of.as_object_mut().and_then(|members| members.remove(name)) {

@@ -197,13 +197,7 @@ fn strip_unshown(json: &mut Value) {
     ["animations", "skins", "cameras", "scenes"].iter().for_each(|list| edit::remove(json, list));
     for node in edit::items_mut(json, "nodes") {
         ["skin", "camera"].iter().for_each(|member| edit::remove(node, member));
-        if let Some(extensions) = node.get_mut("extensions") {
-            edit::remove(extensions, "KHR_lights_punctual");
-            edit::remove(extensions, LEVELS);
-        }
-        if node.get("extensions").is_some_and(|extensions| extensions == &json!({})) {
-            edit::remove(node, "extensions");
-        }
+        ["KHR_lights_punctual", LEVELS].iter().for_each(|name| edit::drop_extension(node, name));
     }
 }
 

@@ -1,8 +1,9 @@
-//! The material of a model to be written: its factors, and its textures by slot.
+//! The material of a model to be written: its factors, and its textures by role.
 
+use super::material_json::{self, CORE_TEXTURES, MaterialParts, TextureInfo};
 use taotie_engine::error::{Error, Result};
-use taotie_engine::image::{Bitmap, Encoding};
-use taotie_engine::scene::{AlphaMode, Material};
+use taotie_engine::image::Bitmap;
+use taotie_engine::scene::{AlphaMode, Material, TextureRole, UvTransform};
 
 /// glTF's metallic-roughness material; textures are multiplied by the factors and use the first uv set.
 #[derive(Debug, Clone, Copy)]
@@ -65,17 +66,37 @@ impl Default for GltfMaterial<'_> {
 }
 
 impl<'a> GltfMaterial<'a> {
+    /// Describes it as a new material with these textures.
+    pub(super) fn parts(&self, textures: Vec<TextureInfo>) -> MaterialParts<'a> {
+        MaterialParts {
+            name: self.name,
+            double_sided: Some(self.double_sided),
+            base_color: Some(self.base_color),
+            metallic: Some(self.metallic),
+            roughness: Some(self.roughness),
+            emissive: Some(self.emissive).filter(|radiance| *radiance != [0.0; 3]),
+            alpha: Some(self.alpha),
+            layers: self.layers.into_iter().flat_map(material_json::layers).collect(),
+            textures,
+        }
+    }
+
+    /// Describes the use of a texture, given by index: uv set 0, untransformed.
+    pub(super) fn texture(&self, role: TextureRole, texture: usize) -> TextureInfo {
+        let weight = if role == TextureRole::Occlusion { self.occlusion_strength } else { self.normal_scale };
+        TextureInfo { role, texture, uv_set: 0, transform: UvTransform::default(), weight }
+    }
+
     /// Returns its textures in the order of writing.
-    pub(super) fn maps(&self) -> impl Iterator<Item = (Slot, GltfImage<'a>)> {
-        [
-            (Slot::BaseColor, self.base_color_map),
-            (Slot::MetallicRoughness, self.metallic_roughness_map),
-            (Slot::Occlusion, self.occlusion_map),
-            (Slot::Normal, self.normal_map),
-            (Slot::Emissive, self.emissive_map),
-        ]
-        .into_iter()
-        .filter_map(|(slot, image)| Some((slot, image?)))
+    pub(super) fn maps(&self) -> impl Iterator<Item = (TextureRole, GltfImage<'a>)> {
+        let maps = [
+            self.base_color_map,
+            self.metallic_roughness_map,
+            self.occlusion_map,
+            self.normal_map,
+            self.emissive_map,
+        ];
+        CORE_TEXTURES.into_iter().zip(maps).filter_map(|(role, image)| Some((role, image?)))
     }
 
     /// Returns true if the material has at least one map.
@@ -139,26 +160,6 @@ impl GltfImage<'_> {
             (Self::Bitmap(a), Self::Bitmap(b)) => std::ptr::eq(*a, *b),
             (Self::File(a), Self::File(b)) => a == b,
             _ => false,
-        }
-    }
-}
-
-/// The slots of a material that have textures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Slot {
-    BaseColor,
-    MetallicRoughness,
-    Occlusion,
-    Normal,
-    Emissive,
-}
-
-impl Slot {
-    pub fn encoding(self) -> Encoding {
-        match self {
-            Self::BaseColor | Self::Emissive => Encoding::Srgb,
-            Self::Normal => Encoding::Normal,
-            Self::MetallicRoughness | Self::Occlusion => Encoding::Linear,
         }
     }
 }

@@ -34,6 +34,7 @@ use super::{FileBytes, FileSet};
 use crate::json::Json;
 use crate::xmp;
 use container::Container;
+use material_json::MaterialParts;
 use mesh::{Grid, MeshPart, PackedMesh};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -51,8 +52,11 @@ const LEVELS: &str = "MSFT_lod";
 pub struct GltfAsset<'a> {
     /// The name of the node and the mesh; may be empty.
     pub name: &'a str,
-    /// The mesh at each level of detail, the finest first; at least one.
-    pub levels: &'a [GltfLevel<'a>],
+    /// The mesh at each level of detail, the finest first; at least one. The origin of uvs is top left, as in glTF.
+    pub levels: &'a [&'a Mesh],
+    /// The minimum screen coverage of the object at which each level is shown, [0, 1]; empty if unspecified. Written if
+    /// there are several levels.
+    pub coverages: &'a [f32],
     /// The size of the meshes' unit in metres, by which a root node above each level scales; `None` if they are in
     /// metres.
     pub root_scale: Option<f32>,
@@ -68,16 +72,6 @@ pub struct GltfAsset<'a> {
     pub xmp: Option<&'a Json>,
     /// Further data for programs that recognise it; written to `asset.extras`.
     pub extras: Option<&'a Json>,
-}
-
-/// A mesh and the minimum size on screen at which it is drawn.
-#[derive(Debug, Clone, Copy)]
-pub struct GltfLevel<'a> {
-    /// The mesh; its uv origin is top left, as in glTF.
-    pub mesh: &'a Mesh,
-    /// The minimum screen coverage of the object at which this level is shown, [0, 1]. Written if there are several
-    /// levels and every level has one.
-    pub coverage: Option<f32>,
 }
 
 /// Writes a model: a GLB if `path` ends in `.glb`; for `.gltf` the JSON, with the data in `NAME.bin` and the textures
@@ -150,13 +144,13 @@ fn draft(
 ) -> Result<GltfDraft> {
     check(asset)?;
     let mut draft = GltfDraft::begun(Value::Null, format.codecs);
-    let meshes = asset.levels.iter().map(|level| level.mesh);
+    let meshes = asset.levels.iter().copied();
     let grid = format.meshopt.then(|| Grid::around(meshes, format.bits.positions));
     let modes = mesh::distinct_modes(asset.alpha_modes, asset.material.alpha);
     let mut meshes = Vec::new();
-    for (i, level) in asset.levels.iter().enumerate() {
+    for (i, mesh) in asset.levels.iter().copied().enumerate() {
         let each = asset.alpha_modes.get(i).map_or(&[][..], Vec::as_slice);
-        let (mesh, parts) = (level.mesh, MeshPart::by_mode(level.mesh, each, &modes));
+        let parts = MeshPart::by_mode(mesh, each, &modes);
         let primitives = match &grid {
             Some(grid) => {
                 mesh::add_packed(&mut draft, PackedMesh { mesh, parts: &parts, grid, bits: format.bits })?
@@ -165,15 +159,18 @@ fn draft(
         };
         meshes.push(named(asset, json!({ "primitives": primitives })));
     }
+    let uses = images.iter().enumerate().flat_map(|(i, image)| image.uses(i, &asset.material));
+    let parts = asset.material.parts(uses.collect());
     let material =
-        |alpha: &AlphaMode| material_json::json(&GltfMaterial { alpha: *alpha, ..asset.material }, images);
+        |alpha: &AlphaMode| MaterialParts { alpha: Some(*alpha), ..parts.clone() }.into_json(&mut draft);
+    let materials: Vec<Value> = modes.iter().map(material).collect();
     draft.json = json!({
         "asset": { "version": "2.0", "generator": concat!("taotie ", env!("CARGO_PKG_VERSION")) },
         "scene": 0,
         "scenes": [{ "nodes": [0] }],
         "nodes": nodes(asset, grid.as_ref()),
         "meshes": meshes,
-        "materials": modes.iter().map(material).collect::<Vec<_>>(),
+        "materials": materials,
     });
     if let Some(packet) = asset.xmp {
         draft.uses(xmp::EXTENSION);
@@ -189,8 +186,7 @@ fn draft(
     if asset.levels.len() > 1 {
         draft.uses(LEVELS);
     }
-    material_json::extensions(&asset.material).into_iter().for_each(|(name, _)| draft.uses(name));
-    let sampler = gltf_sampler(asset.levels.iter().map(|level| level.mesh));
+    let sampler = gltf_sampler(asset.levels.iter().copied());
     textures::add(&mut draft, images, storage, &sampler);
     Ok(draft)
 }
@@ -225,9 +221,8 @@ fn nodes(asset: &GltfAsset, grid: Option<&Grid>) -> Vec<Value> {
     };
     if count > 1 {
         nodes[0]["extensions"] = json!({ LEVELS: { "ids": (1..count).collect::<Vec<_>>() } });
-        let coverages: Option<Vec<f32>> = asset.levels.iter().map(|level| level.coverage).collect();
-        if let Some(coverages) = coverages {
-            let short: Vec<f64> = coverages.into_iter().map(edit::short).collect();
+        if !asset.coverages.is_empty() {
+            let short: Vec<f64> = asset.coverages.iter().copied().map(edit::short).collect();
             nodes[0]["extras"] = json!({ "MSFT_screencoverage": short });
         }
     }
@@ -244,14 +239,17 @@ fn check(asset: &GltfAsset) -> Result<()> {
     if asset.levels.is_empty() {
         return Err(Error::invalid("model to write", "no meshes; specify at least one level"));
     }
-    for (i, level) in asset.levels.iter().enumerate() {
-        if level.mesh.triangles().is_empty() {
+    if !(asset.coverages.is_empty() || asset.coverages.len() == asset.levels.len()) {
+        return Err(Error::invalid("screen coverages", "specify one per level, or none"));
+    }
+    for (i, mesh) in asset.levels.iter().enumerate() {
+        if mesh.triangles().is_empty() {
             return Err(Error::invalid(format!("level {i}"), "glTF has no empty meshes; omit the level"));
         }
-        if level.coverage.is_some_and(|c| !(0.0..=1.0).contains(&c)) {
+        if asset.coverages.get(i).is_some_and(|c| !(0.0..=1.0).contains(c)) {
             return Err(Error::invalid(format!("level {i}"), "the screen coverage is not in [0, 1]"));
         }
-        if asset.material.has_maps() && level.mesh.uvs().is_empty() {
+        if asset.material.has_maps() && mesh.uvs().is_empty() {
             let why = "no uvs, but the material has textures; unwrap the mesh or omit the textures";
             return Err(Error::invalid(format!("level {i}"), why));
         }
@@ -262,7 +260,7 @@ fn check(asset: &GltfAsset) -> Result<()> {
 
 /// Checks that there is one mode per triangle, or none at all.
 fn check_modes(asset: &GltfAsset) -> Result<()> {
-    let counts = asset.levels.iter().map(|level| level.mesh.triangles().len());
+    let counts = asset.levels.iter().map(|mesh| mesh.triangles().len());
     if !asset.alpha_modes.is_empty() && !asset.alpha_modes.iter().map(Vec::len).eq(counts) {
         return Err(Error::invalid("alpha modes", "specify one per triangle of each level, or none"));
     }

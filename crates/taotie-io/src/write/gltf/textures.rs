@@ -5,7 +5,8 @@ use super::container::uri;
 use super::draft::GltfDraft;
 use super::format::GltfFormat;
 use super::image_encoding::{self, Stored};
-use super::material::{GltfImage, GltfMaterial, Slot};
+use super::material::{GltfImage, GltfMaterial};
+use super::material_json::TextureInfo;
 use crate::write::FileBytes;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
@@ -15,25 +16,25 @@ use taotie_engine::image::{Encoding, MipFilter, Sampler, TexelFilter, Wrap};
 use taotie_engine::math::Vec2;
 use taotie_engine::mesh::Mesh;
 use taotie_engine::parallel;
-use taotie_engine::scene::AlphaMode;
+use taotie_engine::scene::{AlphaMode, TextureRole};
 
-/// An image to be written, and the slots that use it.
+/// An image to be written, and the roles of the textures that use it.
 #[derive(Debug)]
 pub(super) struct Encoded<'a> {
     image: GltfImage<'a>,
     codec: ImageCodec,
-    slots: Vec<Slot>,
+    roles: Vec<TextureRole>,
     /// `true` if the material reads its alpha.
     alpha: bool,
     bytes: Vec<u8>,
 }
 
 impl<'a> Encoded<'a> {
-    /// Takes the unencoded image of a slot.
-    fn new(slot: Slot, image: GltfImage<'a>, alpha: AlphaMode) -> Self {
+    /// Takes the unencoded image of a texture.
+    fn new(role: TextureRole, image: GltfImage<'a>, alpha: AlphaMode) -> Self {
         let has_alpha = matches!(image, GltfImage::Bitmap(bitmap) if matches!(bitmap.channels(), 2 | 4));
-        let alpha = has_alpha && slot == Slot::BaseColor && alpha != AlphaMode::Opaque;
-        Self { image, codec: ImageCodec::Png, slots: vec![slot], alpha, bytes: Vec::new() }
+        let alpha = has_alpha && role == TextureRole::BaseColor && alpha != AlphaMode::Opaque;
+        Self { image, codec: ImageCodec::Png, roles: vec![role], alpha, bytes: Vec::new() }
     }
 
     /// Chooses the format; images with alpha become PNG if the format of colours does not support it.
@@ -45,14 +46,14 @@ impl<'a> Encoded<'a> {
 }
 
 impl Encoded<'_> {
-    /// Returns the slots that use it.
-    pub fn slots(&self) -> &[Slot] {
-        &self.slots
+    /// Returns the uses of the texture, given by index, that shows it on a material.
+    pub fn uses(&self, texture: usize, material: &GltfMaterial) -> impl Iterator<Item = TextureInfo> {
+        self.roles.iter().map(move |role| material.texture(*role, texture))
     }
 
-    /// Returns the encoding of its texels, which all slots share.
+    /// Returns the encoding of its texels, which all uses share.
     fn encoding(&self) -> Encoding {
-        self.slots[0].encoding()
+        self.roles[0].encoding()
     }
 
     /// Returns the bytes of its file; `None` if the file already exists.
@@ -82,13 +83,13 @@ impl Encoded<'_> {
 
     /// Returns a word for its content.
     pub fn role(&self) -> &'static str {
-        match self.slots[..] {
-            [Slot::MetallicRoughness, Slot::Occlusion] => "orm",
-            [Slot::BaseColor, ..] => "color",
-            [Slot::MetallicRoughness, ..] => "metallic_roughness",
-            [Slot::Occlusion, ..] => "occlusion",
-            [Slot::Emissive, ..] => "emissive",
-            [Slot::Normal, ..] | [] => "normal",
+        match self.roles[..] {
+            [TextureRole::MetallicRoughness, TextureRole::Occlusion] => "orm",
+            [TextureRole::BaseColor, ..] => "color",
+            [TextureRole::MetallicRoughness, ..] => "metallic_roughness",
+            [TextureRole::Occlusion, ..] => "occlusion",
+            [TextureRole::Emissive, ..] => "emissive",
+            _ => "normal",
         }
     }
 
@@ -130,15 +131,16 @@ pub(super) fn level_role(number: usize, role: &str) -> String {
     format!("{LEVEL}{number}_{role}")
 }
 
-/// Encodes every image of a material, in slot order. Slots with the same image in the same encoding share it.
+/// Encodes every image of a material, in the order of writing. Roles with the same image in the same encoding share
+/// it.
 pub(super) fn encode<'a>(material: &GltfMaterial<'a>, format: &GltfFormat) -> Result<Vec<Encoded<'a>>> {
     format.check()?;
     let mut images: Vec<Encoded> = Vec::new();
-    for (slot, image) in material.maps() {
-        let shared = |known: &&mut Encoded| known.image.is(&image) && known.encoding() == slot.encoding();
+    for (role, image) in material.maps() {
+        let shared = |known: &&mut Encoded| known.image.is(&image) && known.encoding() == role.encoding();
         match images.iter_mut().find(shared) {
-            Some(known) => known.slots.push(slot),
-            None => images.push(Encoded::new(slot, image, material.alpha).packed(format)),
+            Some(known) => known.roles.push(role),
+            None => images.push(Encoded::new(role, image, material.alpha).packed(format)),
         }
     }
     let bytes = parallel::tasks(images.len(), &|i| match images[i].image {

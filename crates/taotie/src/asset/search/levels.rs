@@ -19,7 +19,7 @@ use taotie_engine::progress::Progress;
 use taotie_engine::proof::Side;
 use taotie_engine::scene::{NormalSpace, Scene};
 use taotie_engine::surface::with_frames;
-use taotie_io::{GltfAsset, GltfFormat, GltfLevel, GltfPacker, Limits, PackedGeometry, VertexBits};
+use taotie_io::{GltfAsset, GltfFormat, GltfPacker, Limits, PackedGeometry, VertexBits};
 
 /// The source of coarser levels.
 pub(in crate::asset) enum Finest<'a> {
@@ -168,7 +168,7 @@ impl Source {
                 // Unrounded positions have no transform.
                 let format = rounding.map_or_else(GltfFormat::default, Rounding::format);
                 let format = GltfFormat { meshopt: false, ..format };
-                let levels = [GltfLevel { mesh: &low.mesh, coverage: None }];
+                let levels = [&low.mesh];
                 let model = GltfAsset { levels: &levels, material, ..GltfAsset::default() };
                 let mut scene = read(taotie_io::encode_glb(&model, &format)?)?;
                 if recipe.options.space == NormalSpace::Object {

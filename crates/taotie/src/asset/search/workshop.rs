@@ -13,8 +13,8 @@ use taotie_engine::mesh::Mesh;
 use taotie_engine::progress::Progress;
 use taotie_engine::proof::{self, Picture, PixelDifferences, Side};
 use taotie_io::{
-    CodecSet, GltfAsset, GltfFormat, GltfLevel, GltfSizes, GltfSource, ImageCodec, Limits, PackedGeometry,
-    PackedImage, TextureCodecs, VertexBits,
+    CodecSet, GltfAsset, GltfFormat, GltfSizes, GltfSource, ImageCodec, Limits, PackedGeometry, PackedImage,
+    TextureCodecs, VertexBits,
 };
 
 /// The number of pixels at which a trial is measured if the object fills the picture of the finest level.
@@ -112,7 +112,7 @@ impl Draft {
 
     fn encoded_as(&self, format: &GltfFormat) -> Result<Vec<u8>> {
         let material = self.maps.textures.material(&self.low.material, &self.low.kept);
-        let levels = [GltfLevel { mesh: &self.low.mesh, coverage: None }];
+        let levels = [&self.low.mesh];
         taotie_io::encode_glb(&GltfAsset { levels: &levels, material, ..GltfAsset::default() }, format)
     }
 
@@ -370,7 +370,7 @@ impl<'a> Workshop<'a> {
 
 /// Returns the bytes of a mesh without material as a GLB.
 pub(super) fn encoded_mesh(mesh: &Mesh, format: &GltfFormat) -> Result<Vec<u8>> {
-    let levels = [GltfLevel { mesh, coverage: None }];
+    let levels = [mesh];
     taotie_io::encode_glb(&GltfAsset { levels: &levels, ..GltfAsset::default() }, format)
 }
 

@@ -296,7 +296,7 @@ fn note_uvs(mesh: &Mesh, warnings: &mut Warnings) {
 mod tests {
     use super::*;
     use taotie_engine::math::{Mat4, Vec3};
-    use taotie_io::{GltfAsset, GltfFormat, GltfLevel, write_gltf};
+    use taotie_io::{GltfAsset, GltfFormat, write_gltf};
 
     /// Returns the mesh read from a ball that is stretched by its file.
     fn taken(keep_uvs: bool, ball: &MeshData) -> (Scene, Mesh) {
@@ -323,7 +323,7 @@ mod tests {
     #[test]
     fn every_file_of_low_poly_mesh_and_cage_is_known() {
         let folder = tempfile::tempdir().unwrap();
-        let levels = [GltfLevel { mesh: &Mesh::sphere(1.0, 8, 4), coverage: None }];
+        let levels = [&Mesh::sphere(1.0, 8, 4)];
         let asset = GltfAsset { levels: &levels, ..GltfAsset::default() };
         let [low, cage] = ["low.gltf", "cage.gltf"].map(|name| {
             let path = folder.path().join(name);

@@ -15,8 +15,8 @@ use taotie_engine::names::Named;
 use taotie_engine::progress::Progress;
 use taotie_engine::scene::{AlphaMode, GreenChannel};
 pub use taotie_io::{
-    EncodedModel, FileBytes, FileSet, GltfAsset, GltfFormat, GltfGraft, GltfImage, GltfLevel, GltfMaterial,
-    GltfSource, GraftedMaterial, ImageCodec, Json, Limits, TextureCodecs,
+    EncodedModel, FileBytes, FileSet, GltfAsset, GltfFormat, GltfGraft, GltfImage, GltfMaterial, GltfSource,
+    GraftedMaterial, ImageCodec, Json, Limits, TextureCodecs,
 };
 
 /// An asset after writing.
@@ -153,12 +153,11 @@ fn one(made: &Made, about: &About<'_>, target: Target<'_>) -> Result<EncodedMode
     match &made.document {
         Some(document) => grafted(made, document, about, target),
         None => {
+            let levels: Vec<_> = made.levels().collect();
             let coverages = coverages(made);
-            let levels = made.levels().zip(coverages);
-            let levels: Vec<_> =
-                levels.map(|(mesh, coverage)| GltfLevel { mesh, coverage: Some(coverage) }).collect();
             let of_asset = single(made, about);
-            let model = GltfAsset { levels: &levels, alpha_modes: &made.alpha_modes, ..of_asset };
+            let alpha_modes = &made.alpha_modes;
+            let model = GltfAsset { levels: &levels, coverages: &coverages, alpha_modes, ..of_asset };
             taotie_io::encode_gltf(target.path, &model, target.format).map(EncodedModel::from)
         }
     }
@@ -179,7 +178,7 @@ fn finest(made: &Made, about: &About<'_>, glb: Target<'_>) -> Result<EncodedMode
     match &made.document {
         Some(document) => grafted(made, document, about, glb),
         None => {
-            let levels = [GltfLevel { mesh: &made.parts[0].low.mesh, coverage: None }];
+            let levels = [&made.parts[0].low.mesh];
             let alpha_modes = made.alpha_modes.get(..1).unwrap_or_default();
             let model = GltfAsset { levels: &levels, alpha_modes, ..single(made, about) };
             taotie_io::encode_gltf(glb.path, &model, glb.format).map(EncodedModel::from)
@@ -208,7 +207,7 @@ fn encoded_level(made: &Made, number: usize, glb: Target<'_>) -> Result<Vec<u8>>
     };
     let alpha_modes = made.alpha_modes.get(number + 1..number + 2).unwrap_or_default();
     let name = name(made);
-    let levels = [GltfLevel { mesh, coverage: None }];
+    let levels = [mesh];
     let root_scale = root_scale(made.about.unit());
     let model =
         GltfAsset { name: &name, levels: &levels, root_scale, material, alpha_modes, ..GltfAsset::default() };

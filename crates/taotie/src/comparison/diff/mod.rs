@@ -19,11 +19,9 @@
 //! # }
 //! ```
 
-mod metrics;
 mod pair;
 
-pub use metrics::DiffFigures;
-pub use pair::{ImageContent, ImagePair, NamedBitmap, guessed_encoding};
+pub use pair::{DiffFigures, ImageContent, ImagePair, NamedBitmap, guessed_encoding};
 
 use taotie_engine::compare::{NormalEncoding, PIXELS_PER_DEGREE};
 use taotie_engine::math::Vec3;

@@ -1,9 +1,9 @@
 //! A material of a document: baked values replace its own, everything else stays as written.
 
-use super::super::edit::{items, member, remove, short};
+use super::super::edit::{drop_extension, items, remove};
 use super::super::material::GltfMaterial;
-use super::super::material_json::{self, Emission, PBR, STRENGTH};
-use serde_json::{Value, json};
+use super::super::material_json::{MaterialParts, PBR, STRENGTH, TextureInfo, layers};
+use serde_json::Value;
 use taotie_engine::scene::{AlphaMode, Material};
 
 /// The specular-glossiness extension, which viewers use instead of the core's factors and textures.
@@ -14,37 +14,27 @@ pub(super) fn count_glossy(document: &Value) -> usize {
     items(document, "materials").iter().filter(|material| extension(material, GLOSSINESS).is_some()).count()
 }
 
-/// Returns the core's factors and textures of a material; null if it has none.
-pub(super) fn core(json: &Value) -> Value {
-    json.get(PBR).cloned().unwrap_or_default()
-}
-
-/// Removes the specular-glossiness extension from a material whose core differs from `before`.
-pub(super) fn uncover(json: &mut Value, before: &Value) {
-    if core(json) != *before {
+/// Changes a material of the document to another where they differ, and adds these textures. Layers that differ from
+/// those of `said`, the material as read from the document, replace the existing ones, including their textures. The
+/// specular-glossiness extension is removed if the core changes.
+pub(super) fn graft(json: &mut Value, material: &GltfMaterial, said: &Material, textures: Vec<TextureInfo>) {
+    let core = json.get(PBR).cloned().unwrap_or_default();
+    let emissive = Some(material.emissive);
+    let mut parts = MaterialParts { name: "", double_sided: None, emissive, ..material.parts(textures) };
+    parts.base_color.take_if(|color| numbers::<4>(&core, "baseColorFactor", 1.0) == *color);
+    parts.metallic.take_if(|factor| number(&core, "metallicFactor", 1.0) == *factor);
+    parts.roughness.take_if(|factor| number(&core, "roughnessFactor", 1.0) == *factor);
+    parts.emissive.take_if(|radiance| emission(json) == *radiance);
+    parts.alpha.take_if(|mode| alpha(json) == *mode);
+    let known = layers(said);
+    parts.layers.retain(|layer| !known.contains(layer));
+    if parts.emissive.is_some() && numbers::<3>(json, "emissiveFactor", 0.0) == [0.0; 3] {
+        // A texture that was invisible until now would scale the new emission.
+        remove(json, "emissiveTexture");
+    }
+    parts.put_into(json);
+    if json.get(PBR).cloned().unwrap_or_default() != core {
         drop_extension(json, GLOSSINESS);
-    }
-}
-
-/// Changes the factors of a material of the document to those of another, where they differ. Layers that differ from
-/// those of `said`, the material as read from the document, replace the existing ones, including their textures.
-pub(super) fn graft(json: &mut Value, material: &GltfMaterial, said: &Material) {
-    let mut pbr = json.get(PBR).cloned().unwrap_or_else(|| json!({}));
-    set_color(&mut pbr, material.base_color);
-    set_factor(&mut pbr, "metallicFactor", material.metallic);
-    set_factor(&mut pbr, "roughnessFactor", material.roughness);
-    if pbr != json!({}) {
-        *member(json, PBR) = pbr;
-    }
-    graft_emission(json, material.emissive);
-    if alpha(json) != material.alpha {
-        ["alphaMode", "alphaCutoff"].into_iter().for_each(|name| remove(json, name));
-        material_json::say_alpha(json, material.alpha);
-    }
-    let known = material_json::factors(said);
-    let layers = material.layers.into_iter().flat_map(material_json::factors);
-    for (name, layer) in layers.filter(|layer| !known.contains(layer)) {
-        *member(member(json, "extensions"), name) = layer;
     }
 }
 
@@ -58,70 +48,36 @@ fn extension<'a>(json: &'a Value, name: &str) -> Option<&'a Value> {
     json.get("extensions")?.get(name)
 }
 
-/// Returns numbers as a reader sees them, with `unsaid` as the default.
+/// Returns a number as a reader sees it, with `unsaid` as the default.
+fn number(of: &Value, name: &str, unsaid: f32) -> f32 {
+    of.get(name).and_then(Value::as_f64).map_or(unsaid, |v| v as f32)
+}
+
+/// Returns the numbers of a list as a reader sees them, with `unsaid` as the default.
 fn numbers<const N: usize>(of: &Value, name: &str, unsaid: f32) -> [f32; N] {
     let number = |i: usize| of.get(name)?.get(i)?.as_f64();
     std::array::from_fn(|i| number(i).map_or(unsaid, |v| v as f32))
 }
 
-fn set_color(pbr: &mut Value, color: [f32; 4]) {
-    if numbers::<4>(pbr, "baseColorFactor", 1.0) != color {
-        *member(pbr, "baseColorFactor") = json!(color.map(short));
-    }
-}
-
-fn set_factor(pbr: &mut Value, name: &str, value: f32) {
-    let said = pbr.get(name).and_then(Value::as_f64).map_or(1.0, |v| v as f32);
-    if said != value {
-        *member(pbr, name) = short(value).into();
-    }
-}
-
-/// Sets the emitted radiance of a material.
-fn graft_emission(json: &mut Value, radiance: [f32; 3]) {
-    let strength = extension(json, STRENGTH).and_then(|e| e.get("emissiveStrength")).and_then(Value::as_f64);
-    let strength = strength.map_or(1.0, |v| v as f32);
-    if numbers::<3>(json, "emissiveFactor", 0.0).map(|v| v * strength) == radiance {
-        return;
-    }
-    let was_dark = numbers::<3>(json, "emissiveFactor", 0.0) == [0.0; 3];
-    if was_dark {
-        // A texture that was invisible until now would scale the new emission.
-        remove(json, "emissiveTexture");
-    }
-    let emission = Emission::of(radiance);
-    *member(json, "emissiveFactor") = json!(emission.color);
-    match emission.extension() {
-        Some(extension) => *member(member(json, "extensions"), STRENGTH) = extension,
-        None => drop_extension(json, STRENGTH),
-    }
-}
-
-fn drop_extension(json: &mut Value, name: &str) {
-    let Some(extensions) = json.get_mut("extensions") else { return };
-    remove(extensions, name);
-    if *extensions == json!({}) {
-        remove(json, "extensions");
-    }
+/// Returns the emitted radiance of a material.
+fn emission(json: &Value) -> [f32; 3] {
+    let strength = extension(json, STRENGTH).map_or(1.0, |of| number(of, "emissiveStrength", 1.0));
+    numbers::<3>(json, "emissiveFactor", 0.0).map(|v| v * strength)
 }
 
 fn alpha(json: &Value) -> AlphaMode {
     match json.get("alphaMode").and_then(Value::as_str) {
         Some("BLEND") => AlphaMode::Blend,
-        Some("MASK") => {
-            let cutoff = json.get("alphaCutoff").and_then(Value::as_f64);
-            AlphaMode::Mask(cutoff.map_or(0.5, |v| v as f32))
-        }
+        Some("MASK") => AlphaMode::Mask(number(json, "alphaCutoff", 0.5)),
         _ => AlphaMode::Opaque,
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::material::Slot;
-    use super::super::super::material_json::put_texture;
     use super::*;
-    use taotie_engine::scene::Clearcoat;
+    use serde_json::json;
+    use taotie_engine::scene::{Clearcoat, TextureRole};
 
     /// A material as authored in a modelling program, and the same as read.
     fn brass() -> (Value, GltfMaterial<'static>) {
@@ -148,7 +104,7 @@ mod tests {
     fn what_is_the_same_is_not_touched() {
         let (mut json, material) = brass();
         let before = json.clone();
-        graft(&mut json, &material, &Material::default());
+        graft(&mut json, &material, &Material::default(), Vec::new());
         assert_eq!(json, before);
     }
 
@@ -167,11 +123,8 @@ mod tests {
         let off = json!({ "KHR_materials_clearcoat": { "clearcoatTexture": { "index": 0 } }, "KHR_materials_ior": {} });
         let grafted = |said: &Material, own: &Material| {
             let mut json = json!({ "extensions": off });
-            graft(
-                &mut json,
-                &GltfMaterial { metallic: 1.0, layers: Some(own), ..GltfMaterial::default() },
-                said,
-            );
+            let material = GltfMaterial { metallic: 1.0, layers: Some(own), ..GltfMaterial::default() };
+            graft(&mut json, &material, said, Vec::new());
             json["extensions"].clone()
         };
         let coat = json!({ "clearcoatFactor": 0.5, "clearcoatRoughnessFactor": 0.25 });
@@ -183,24 +136,26 @@ mod tests {
     #[test]
     fn what_would_hide_the_core_goes_where_that_is_new() {
         let glossy = json!({ "extensions": { GLOSSINESS: {} } });
-        let left = |slot: Slot| {
+        let material = GltfMaterial { metallic: 1.0, ..GltfMaterial::default() };
+        let left = |role: TextureRole| {
             let mut json = glossy.clone();
-            let (core, material) = (core(&json), GltfMaterial::default());
-            put_texture(&mut json, slot, 0, &material);
-            uncover(&mut json, &core);
+            graft(&mut json, &material, &Material::default(), vec![material.texture(role, 0)]);
             count_glossy(&json!({ "materials": [json] }))
         };
-        assert_eq!(
-            [Slot::BaseColor, Slot::MetallicRoughness, Slot::Normal, Slot::Occlusion].map(left),
-            [0, 0, 1, 1]
-        );
+        let roles = [
+            TextureRole::BaseColor,
+            TextureRole::MetallicRoughness,
+            TextureRole::Normal,
+            TextureRole::Occlusion,
+        ];
+        assert_eq!(roles.map(left), [0, 0, 1, 1]);
     }
 
     #[test]
     fn what_nothing_says_is_not_made() {
         let mut json = json!({});
         let unsaid = GltfMaterial { metallic: 1.0, ..GltfMaterial::default() };
-        graft(&mut json, &unsaid, &Material::default());
+        graft(&mut json, &unsaid, &Material::default(), Vec::new());
         assert_eq!(json, json!({}));
     }
 
@@ -214,9 +169,8 @@ mod tests {
             normal_scale: 1.0,
             ..material
         };
-        graft(&mut json, &baked, &Material::default());
-        put_texture(&mut json, Slot::BaseColor, 5, &baked);
-        put_texture(&mut json, Slot::Normal, 6, &baked);
+        let textures = vec![baked.texture(TextureRole::BaseColor, 5), baked.texture(TextureRole::Normal, 6)];
+        graft(&mut json, &baked, &Material::default(), textures);
         let expected = json!({
             "name": "brass", "extras": { "id": 7 }, "emissiveFactor": [1.0, 1.0, 1.0],
             "pbrMetallicRoughness": {

@@ -11,7 +11,6 @@ use super::container::{self, Container, uri};
 use super::edit;
 use super::format::GltfFormat;
 use super::material::GltfMaterial;
-use super::material_json::put_texture;
 use super::textures::{Encoded, encode, sampler_json};
 use crate::gltf::{GltfSource, OF_TEXTURES, RawGltf, is_known};
 use crate::json::Json;
@@ -144,19 +143,17 @@ fn graft_material(
     }
     let encoded = encode(material, format)?;
     let sampler = if encoded.is_empty() { 0 } else { add_sampler(&mut raw.json, &grafted.sampler) };
-    let mut json = raw.json["materials"][number].take();
-    let core = factors::core(&json);
-    factors::graft(&mut json, material, grafted.said);
+    let mut textures = Vec::new();
     for image in &encoded {
         let texture = add_image(raw, image, &Textured { storage, label, sampler });
-        image.slots().iter().for_each(|slot| put_texture(&mut json, *slot, texture, material));
+        textures.extend(image.uses(texture, material));
         if let Some(name) = image.extension() {
             edit::require(&mut raw.json, name);
         }
     }
-    factors::uncover(&mut json, &core);
-    factors::extensions(&json).iter().for_each(|name| edit::name(&mut raw.json, "extensionsUsed", name));
-    raw.json["materials"][number] = json;
+    let json = &mut raw.json["materials"][number];
+    factors::graft(json, material, grafted.said, textures);
+    factors::extensions(json).iter().for_each(|name| edit::name(&mut raw.json, "extensionsUsed", name));
     if grafted.drops_colors {
         geometry::drop_colors(&mut raw.json, number);
     }

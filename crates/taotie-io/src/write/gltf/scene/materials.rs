@@ -1,43 +1,27 @@
-//! Materials: glTF's core factors and textures, and the layers added by extensions: index of refraction, unlit, and
-//! those of [`LAYERS`]. The factors of layers come from [`material_json::factors`].
+//! Materials: their description, with notes on what glTF cannot express.
 
-use super::super::edit::short;
-use super::super::material_json::{self, Emission, STRENGTH};
+use super::super::material_json::{self, CORE_TEXTURES, MaterialParts, TextureInfo};
 use super::Writer;
-use serde_json::{Map, Value, json};
-use taotie_engine::scene::{
-    FactorValue, GreenChannel, LAYERS, Layer, Material, NormalMap, NormalSpace, TextureRef, TextureRole,
-};
-
-/// The members of a material's extensions, by name.
-type Extensions = Map<String, Value>;
+use serde_json::Value;
+use taotie_engine::scene::{FactorValue, GreenChannel, LAYERS, Layer, Material, NormalSpace, TextureRole};
 
 impl Writer<'_> {
     /// Returns the JSON of a material; content that glTF cannot express is noted.
     pub(super) fn material(&mut self, material: &Material) -> Value {
         self.note_unsaid(material);
-        let mut json = json!({ "doubleSided": material.double_sided });
-        if !material.name.is_empty() {
-            json["name"] = material.name.as_str().into();
-        }
-        json["pbrMetallicRoughness"] = self.metallic_roughness(material);
-        if let Some(map) = &material.occlusion_texture {
-            json["occlusionTexture"] = self.slot(map);
-            json["occlusionTexture"]["strength"] = short(material.occlusion_strength).into();
-        }
-        if let Some(map) = self.normal_map(material.normal.as_ref()) {
-            json["normalTexture"] = map;
-        }
-        if let Some(map) = &material.emissive_texture {
-            json["emissiveTexture"] = self.slot(map);
-        }
-        material_json::say_alpha(&mut json, material.alpha);
-        let extensions = self.emission(&mut json, material.emissive);
-        let extensions = self.layers(extensions, material);
-        if !extensions.is_empty() {
-            json["extensions"] = extensions.into();
-        }
-        json
+        self.note_above_one("base colours", &material.base_color);
+        let parts = MaterialParts {
+            name: &material.name,
+            double_sided: Some(material.double_sided),
+            base_color: Some(material.base_color),
+            metallic: Some(material.metallic),
+            roughness: Some(material.roughness),
+            emissive: Some(material.emissive),
+            alpha: Some(material.alpha),
+            layers: material_json::layers(material),
+            textures: self.texture_uses(material),
+        };
+        parts.into_json(&mut self.draft)
     }
 
     fn note_unsaid(&mut self, material: &Material) {
@@ -48,93 +32,49 @@ impl Writer<'_> {
         self.note("height maps, which glTF does not support", usize::from(material.height.is_some()));
     }
 
-    fn metallic_roughness(&mut self, material: &Material) -> Value {
-        let mut pbr = json!({
-            "baseColorFactor": self.fractions("base colours", material.base_color),
-            "metallicFactor": short(material.metallic),
-            "roughnessFactor": short(material.roughness),
-        });
-        if let Some(map) = &material.base_color_texture {
-            pbr["baseColorTexture"] = self.slot(map);
-        }
-        if let Some(map) = &material.metallic_roughness_texture {
-            pbr["metallicRoughnessTexture"] = self.slot(map);
-        }
-        pbr
-    }
-
-    /// Returns colours as fractions; those above 1 are clamped and noted.
-    fn fractions<const N: usize>(&mut self, what: &str, values: [f32; N]) -> Vec<f64> {
-        self.note_above_one(what, &values);
-        values.into_iter().map(|v| short(v.min(1.0))).collect()
-    }
-
     /// Notes colours above 1.
     fn note_above_one(&mut self, what: &str, values: &[f32]) {
         let above = values.iter().any(|v| *v > 1.0);
         self.note(&format!("{what} above 1, which glTF clamps"), usize::from(above));
     }
 
-    /// Writes the emission; above 1 it becomes a colour times a strength.
-    fn emission(&mut self, json: &mut Value, emissive: [f32; 3]) -> Extensions {
-        let emission = Emission::of(emissive);
-        json["emissiveFactor"] = json!(emission.color);
-        let mut extensions = Extensions::new();
-        if let Some(strength) = emission.extension() {
-            self.draft.uses(STRENGTH);
-            extensions.insert(STRENGTH.into(), strength);
-        }
-        extensions
-    }
-
-    /// Adds the layers of a material beyond glTF's core factors.
-    fn layers(&mut self, mut extensions: Extensions, material: &Material) -> Extensions {
-        for (name, mut json) in material_json::factors(material) {
-            self.draft.uses(name);
-            if let Some(layer) = LAYERS.iter().find(|layer| layer.extension == name) {
-                self.layer(layer, material, &mut json);
-            }
-            extensions.insert(name.into(), json);
-        }
-        extensions
-    }
-
-    /// Adds a layer's textures, and notes factors that glTF clamps.
-    fn layer(&mut self, layer: &Layer, material: &Material, json: &mut Value) {
+    /// Notes factors of a layer that glTF clamps.
+    fn note_clamped(&mut self, layer: &Layer, material: &Material) {
         for factor in layer.factors {
             if let (Some(FactorValue::Color(color)), 1.0) = ((factor.get)(material), factor.most) {
                 self.note_above_one(&format!("{}s", factor.name), &color);
             }
         }
-        for role in layer.textures {
-            let slot = match role {
-                TextureRole::ClearcoatNormal => {
-                    let coat = material.clearcoat.as_ref();
-                    self.normal_map(coat.and_then(|coat| coat.normal.as_ref()))
-                }
-                _ => role.of(material).map(|texture| self.slot(texture)),
-            };
-            if let Some(slot) = slot {
-                json[role.gltf_member()] = slot;
-            }
-        }
     }
 
-    /// Returns the JSON of a tangent-space normal map; `None` with a warning for an object-space one.
-    fn normal_map(&mut self, map: Option<&NormalMap>) -> Option<Value> {
-        let map = map?;
-        if map.space == NormalSpace::Object {
+    /// Describes all textures of a material that glTF can express.
+    fn texture_uses(&mut self, material: &Material) -> Vec<TextureInfo> {
+        let mut uses: Vec<TextureInfo> =
+            CORE_TEXTURES.iter().filter_map(|role| self.texture_use(*role, material)).collect();
+        for layer in &LAYERS {
+            self.note_clamped(layer, material);
+            uses.extend(layer.textures.iter().filter_map(|role| self.texture_use(*role, material)));
+        }
+        uses
+    }
+
+    /// Describes a texture; `None` if the material has none in this role, or with a warning if it is an object-space
+    /// normal map.
+    fn texture_use(&mut self, role: TextureRole, material: &Material) -> Option<TextureInfo> {
+        let used = role.of(material)?;
+        let map = match role {
+            TextureRole::Normal => material.normal.as_ref(),
+            TextureRole::ClearcoatNormal => material.clearcoat.as_ref()?.normal.as_ref(),
+            _ => None,
+        };
+        if map.is_some_and(|map| map.space == NormalSpace::Object) {
             self.note("object-space normal maps, which glTF does not support", 1);
             return None;
         }
-        let turned = map.green == GreenChannel::Down;
-        let mut json = self.textured(&map.texture, turned);
-        json["scale"] = short(map.scale).into();
-        Some(json)
-    }
-
-    /// Returns the JSON that refers to a texture.
-    fn slot(&mut self, used: &TextureRef) -> Value {
-        self.textured(used, false)
+        let texture = self.texture(used, map.is_some_and(|map| map.green == GreenChannel::Down));
+        let weight = map.map_or(material.occlusion_strength, |map| map.scale);
+        let info = TextureInfo { role, texture, uv_set: used.uv_set, transform: used.transform, weight };
+        self.note("sheared texture uvs, which glTF does not support", usize::from(info.is_sheared()));
+        Some(info)
     }
 }

@@ -1,8 +1,7 @@
-//! Textures: each image is encoded once, with the samplers and transforms of its uses.
+//! Textures: each image is encoded once, with the samplers of its uses.
 
 use super::super::codec::ImageCodec;
 use super::super::container::uri;
-use super::super::edit::short;
 use super::super::format::GltfFormat;
 use super::super::image_encoding::{self, Stored};
 use super::super::textures::sampler_json;
@@ -11,31 +10,16 @@ use serde_json::{Value, json};
 use std::borrow::Cow;
 use taotie_engine::error::Result;
 use taotie_engine::image::{Bitmap, Encoding, Texels, Texture};
-use taotie_engine::math::{scalar, srgb};
+use taotie_engine::math::srgb;
 use taotie_engine::parallel;
-use taotie_engine::scene::{TextureRef, UvTransform};
-
-const TRANSFORM: &str = "KHR_texture_transform";
-
-/// The largest cosine between the axes of a uv transform that counts as orthogonal.
-const SQUARE: f64 = 1e-5;
+use taotie_engine::scene::TextureRef;
 
 impl Writer<'_> {
-    /// Returns the JSON that refers to a texture, with its uv set and transform.
-    pub(super) fn textured(&mut self, used: &TextureRef, turned: bool) -> Value {
+    /// Returns the index of a texture in the document; its green channel is `turned` if it points down.
+    pub(super) fn texture(&mut self, used: &TextureRef, turned: bool) -> usize {
         let image = number(&mut self.textures.images, ImageUse { texture: used.texture, turned });
         let sampler = number(&mut self.textures.samplers, used.sampler);
-        let mut json = json!({ "index": number(&mut self.textures.textures, [sampler, image]) });
-        if used.uv_set > 0 {
-            json["texCoord"] = used.uv_set.into();
-        }
-        if used.transform != UvTransform::default() {
-            let (transform, sheared) = transform(&used.transform);
-            self.note("sheared texture uvs, which glTF does not support", usize::from(sheared));
-            self.draft.uses(TRANSFORM);
-            json["extensions"] = json!({ TRANSFORM: transform });
-        }
-        json
+        number(&mut self.textures.textures, [sampler, image])
     }
 
     /// Encodes every requested image.
@@ -129,21 +113,4 @@ fn with_green_turned(bitmap: &Bitmap) -> Result<Bitmap> {
         Texels::F32(texels) => Texels::F32(texels.iter().map(|[r, g, b, a]| [*r, 1.0 - g, *b, *a]).collect()),
     };
     Bitmap::new(bitmap.width(), bitmap.height(), bitmap.channels(), texels)
-}
-
-/// Returns the parts of a uv transform, T · R · S, and whether it is sheared and so not fully represented.
-/// Source: KHR_texture_transform.
-fn transform(of: &UvTransform) -> (Value, bool) {
-    let [[a, b], [c, d]] = of.linear.map(|row| row.map(f64::from));
-    let offset = of.offset.map(short);
-    if b == 0.0 && c == 0.0 {
-        let scale = [short(of.linear[0][0]), short(of.linear[1][1])];
-        return (json!({ "offset": offset, "scale": scale }), false);
-    }
-    let (x, y) = ((a * a + c * c).sqrt(), (b * b + d * d).sqrt());
-    let rotation = if x > 0.0 { scalar::atan2(-c, a) } else { scalar::atan2(b, d) };
-    let mirrored = a * d - b * c < 0.0;
-    let sheared = (a * b + c * d).abs() > SQUARE * x * y;
-    let scale = [x, if mirrored { -y } else { y }];
-    (json!({ "offset": offset, "rotation": rotation, "scale": scale }), sheared)
 }
