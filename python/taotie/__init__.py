@@ -19,7 +19,8 @@ from ._error import Cancelled, Error, NotMet, TaotieWarning
 from ._image import Image
 from ._inspect import Audit, Inspection, inspect
 from ._model import Mesh, Model, load
-from ._options import Material, Orbit
+from ._options import Camera, CompareOptions, Environment, ImageOptions, Light, Material, Orbit
+from ._options import RendererOptions, RenderOptions, TurntableOptions, ViewOptions
 from ._render import Renderer, render
 from ._taotie import __version__
 from ._view import Viewer, view
@@ -27,12 +28,17 @@ from ._view import Viewer, view
 __all__ = [
     "Asset",
     "Audit",
+    "Camera",
     "Cancelled",
+    "CompareOptions",
     "Comparison",
     "Difference",
+    "Environment",
     "Error",
     "Image",
+    "ImageOptions",
     "Inspection",
+    "Light",
     "Material",
     "Mesh",
     "Met",
@@ -40,9 +46,13 @@ __all__ = [
     "NotMet",
     "Orbit",
     "Proof",
+    "RenderOptions",
     "Renderer",
+    "RendererOptions",
     "TaotieWarning",
+    "TurntableOptions",
     "View",
+    "ViewOptions",
     "Viewer",
     "Written",
     "__version__",

@@ -6,19 +6,21 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal, Union
+from typing import TYPE_CHECKING, Any, Literal, Union
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _taotie
-from ._arrays import PathLike
 from ._error import invalid, warn
 from ._model import Model
 from ._model import model as a_model
-from ._options import BACKGROUND, Color, Material, Orbit, Shading, Surface, Tone, _color, environment, lights
-from ._options import camera as a_camera
-from ._run import Progress, running
+from ._options import CompareOptions, Shading, Surface, background, camera_and_light, check, chosen, environment
+from ._options import settings, takes
+from ._run import running
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 Floats = npt.NDArray[np.float32]
 
@@ -74,6 +76,7 @@ class Comparison:
         return dict(self.report)
 
 
+@takes(CompareOptions)
 def compare(
     low: Any,
     high: Any = None,
@@ -83,29 +86,7 @@ def compare(
     baseline: Shading | None = None,
     points: int | Sequence[tuple[int, int]] = 10,
     match: Literal["normal", "uv", "pixel"] = "normal",
-    material: Material | PathLike | None = None,
-    bump_scale: float | None = None,
-    tangents: Literal["face", "averaged", "mikktspace"] | None = None,
-    camera: Orbit | str | None = None,
-    target: Sequence[float] | None = None,
-    fov_deg: float = 30.0,
-    light: str | Sequence[str] | None = None,
-    ambient: Color | None = None,
-    shadows: bool = False,
-    env: PathLike | None = None,
-    env_rotate_deg: float = 0.0,
-    env_intensity: float = 1.0,
-    show_env: bool = False,
-    size: int | tuple[int, int] = (640, 640),
-    samples: Literal[1, 4, 16] = 4,
-    tone: Tone = "neutral",
-    exposure: float = 0.0,
-    background: Color = BACKGROUND,
-    energy: Literal["compensated", "single"] = "compensated",
-    specular_aa: bool = True,
-    grazing_normals: Literal["soften", "keep"] = "soften",
-    threads: int | None = None,
-    progress: Progress = None,
+    **options: Unpack[CompareOptions],
 ) -> Comparison:
     """Render a model by several surface methods and measure their error. Names and defaults are those of the command.
 
@@ -126,44 +107,35 @@ def compare(
         Sample points for which normals are listed.
     match : {"normal", "uv", "pixel"}
         Which point of the reference corresponds to a point of the model.
+    **options
+        See `RenderOptions`.
 
     Returns
     -------
     Comparison
     """
-    model = a_model(low, material, bump_scale)
+    check("compare", options, CompareOptions)
+    model = a_model(low, options.get("material"), options.get("bump_scale"))
     reference = None if high is None else a_model(high)
-    width, height = (size, size) if isinstance(size, int) else size
-    options: dict[str, Any] = {
+    compared: dict[str, Any] = {
         "shadings": [shading] if isinstance(shading, str) else list(shading),
         "baseline": baseline,
         "points": {"spread": points} if isinstance(points, int) else {"pixels": [list(pixel) for pixel in points]},
         "matching": match,
-        "settings": {
-            "width": int(width),
-            "height": int(height),
-            "samples": samples,
-            "surface": {"tangents": tangents, "bump_scale": bump_scale},
-            "energy": energy,
-            "specular_aa": specular_aa,
-            "grazing_normals": grazing_normals,
-            "shadows": shadows,
-        },
-        "development": {"exposure_stops": float(exposure), "tone": tone},
+        "settings": {"width": 640, "height": 640} | settings(options),
+        "development": {"exposure_stops": float(options.get("exposure", 0.0)), **chosen(options, ["tone"])},
     }
     if methods:
-        options["methods"] = [_method(name) for name in methods]
+        compared["methods"] = [_method(name) for name in methods]
     request = {
-        "options": options,
-        "background": _color(background),
-        "camera": a_camera(camera, target, fov_deg),
-        "lights": lights(light),
-        "ambient": None if ambient is None else _color(ambient),
-        "environment": environment(env, env_rotate_deg, env_intensity, show_env),
+        "options": compared,
+        "background": background(options),
+        **camera_and_light(options),
+        "environment": environment(options),
     }
     names = [_name(model, "model"), _name(reference, "reference")]
     models = {"low": model._native, "high": reference._native if reference else None, "names": names}
-    with running(progress, threads) as run:
+    with running(options.get("progress"), options.get("threads")) as run:
         found = _taotie.compare(models, request, run)
     warn(found["warnings"])
     views = {name: View(**view) for name, view in found["views"].items()}

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import html
 import os
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 from . import _taotie
 from ._arrays import PathLike
 from ._error import invalid, warn
 from ._model import model as a_model
-from ._options import Color, Material, Orbit, Shading, Surface, Tone, ambient_light, environment, film, lights
-from ._options import camera as a_camera
-from ._run import Progress, running
+from ._options import ViewOptions, check, image_request, renderer_request, takes
+from ._run import running
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
     from ._widget import Widget
 
 
@@ -67,34 +67,14 @@ class Viewer:
         return "<taotie.Viewer>"
 
 
+@takes(ViewOptions)
 def view(
     model: Any,
     *,
     scan: Any = None,
     publish_scan: bool = False,
     title: str | None = None,
-    shading: Shading = "ggx",
-    surface: Surface | None = None,
-    bump_scale: float | None = None,
-    tangents: Literal["face", "averaged", "mikktspace"] | None = None,
-    material: Material | PathLike | None = None,
-    camera: Orbit | str | None = None,
-    target: Sequence[float] | None = None,
-    fov_deg: float = 30.0,
-    light: str | Sequence[str] | None = None,
-    ambient: Color | None = None,
-    env: PathLike | None = None,
-    env_rotate_deg: float = 0.0,
-    env_intensity: float = 1.0,
-    samples: Literal[1, 4, 16] = 4,
-    tone: Tone = "neutral",
-    exposure: float = 0.0,
-    background: Color | None = None,
-    energy: Literal["compensated", "single"] = "compensated",
-    specular_aa: bool = True,
-    grazing_normals: Literal["soften", "keep"] = "soften",
-    threads: int | None = None,
-    progress: Progress = None,
+    **options: Unpack[ViewOptions],
 ) -> Viewer:
     """Make a page that shows a model in a browser. Names and defaults are those of ``taotie view``.
 
@@ -109,12 +89,8 @@ def view(
         Include the scan itself in the page, to be shown next to the model behind a wipe.
     title : str, optional
         The heading; defaults to the file's name.
-    shading, camera, target, fov_deg, light, ambient, samples, tone, exposure, background, energy, specular_aa
-        The initial appearance; see `render`.
-    grazing_normals, surface, bump_scale, tangents, material, env, env_rotate_deg, env_intensity, threads
-        See `render`.
-    progress : bool or callable, optional
-        True for a progress bar; a callable receives stage and fraction, and stops the work by returning False.
+    **options
+        The initial appearance: see `RenderOptions`.
 
     Returns
     -------
@@ -126,30 +102,16 @@ def view(
     Error
         With ``path``, ``where`` and ``remedy``.
     """
-    seen = a_model(model, material, bump_scale)
-    of = {"method": surface, "tangents": tangents, "bump_scale": bump_scale}
-    settings = {
-        "samples": samples,
-        "shading": shading,
-        "surface": of,
-        "energy": energy,
-        "specular_aa": specular_aa,
-        "grazing_normals": grazing_normals,
-    }
+    check("view", options, ViewOptions)
+    seen = a_model(model, options.get("material"), options.get("bump_scale"))
     request = {
         "title": title or os.path.basename(seen.path or "") or "Model",
-        "setup": {"surface": of, "environment": environment(env, env_rotate_deg, env_intensity, False)},
-        "image": {
-            "settings": settings,
-            "camera": a_camera(camera, target, fov_deg),
-            "lights": lights(light),
-            "ambient": ambient_light(ambient),
-            "film": film(exposure, tone, background),
-        },
+        "setup": renderer_request(options),
+        "image": image_request(options),
         "scan": None if scan is None else a_model(scan)._native,
         "publish_scan": publish_scan,
     }
-    with running(progress, threads) as run:
+    with running(options.get("progress"), options.get("threads")) as run:
         native = _taotie.Viewer(seen._native, request, run)
     warn(native.warnings())
     return Viewer(native)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import inspect
+import re
 import subprocess
 import sys
 import textwrap
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +24,9 @@ CASES = [
     ({"shading": "cook-torrance", "material": "bronze", "shadows": True}, "--shading cook-torrance --material bronze --shadows".split()),
     ({"env": "studio", "show_env": True, "env_rotate_deg": 33.3}, "--env studio --show-env --env-rotate-deg 33.3".split()),
     ({"light": "directional from=-75,10 strength=4", "tone": "aces", "exposure": 0.7}, ["--light", "directional from=-75,10 strength=4", "--tone", "aces", "--exposure", "0.7"]),
+    ({"light": [tt.Light("directional", from_deg=(-75, 10), strength=4), tt.Light("spot", at=(0.1, 2, 3), toward=(0, 0.2, 0), angle_deg=20, color="#ffe0b0", falloff="none"), "point at=-2,1,2"]}, ["--light", "directional from=-75,10 strength=4", "--light", "spot at=0.1,2,3 toward=0,0.2,0 angle=20 color=#ffe0b0 falloff=none", "--light", "point at=-2,1,2"]),
+    ({"env": tt.Environment("studio", rotation_deg=33.3, intensity=0.7, visible=True)}, "--env studio --show-env --env-rotate-deg 33.3 --env-intensity 0.7".split()),
+    ({"camera": tt.Camera(azimuth_deg=14, elevation_deg=10, target=(0, 0.1, 0), fov_deg=41.7)}, "--orbit 14,10 --target 0,0.1,0 --fov-deg 41.7".split()),
     ({"background": "transparent", "samples": 16, "fov_deg": 41.7}, "--background transparent --samples 16 --fov-deg 41.7".split()),
     ({"integrator": "reference", "spp": 2, "seed": 3}, "--integrator reference --spp 2 --seed 3".split()),
     ({"surface": "facet", "ground": True, "material": tt.Material(base_color="#c08040", roughness=0.31)}, "--surface facet --ground --base-color #c08040 --roughness 0.31".split()),
@@ -42,6 +48,41 @@ def test_turntables_are_those_of_the_command(scan_file: Path, tmp_path: Path, ru
     for index, frame in enumerate(frames):
         file = np.asarray(Pillow.open(tmp_path / f"turn.{index:03}.png").convert("RGBA"))
         assert np.array_equal(frame, file), index
+
+
+def test_separate_options_override_those_of_an_object(ball: tt.Mesh) -> None:
+    dim, wide = tt.Environment("studio", intensity=0.5), tt.Camera(azimuth_deg=40, elevation_deg=20, fov_deg=60)
+    options = {"env_intensity": 1.5, "fov_deg": 25.0, "size": 24}
+    expected = tt.render(ball, env="studio", camera=tt.Orbit(40, 20), **options)
+    assert np.array_equal(tt.render(ball, env=dim, camera=wide, **options), expected)
+    assert not np.array_equal(tt.render(ball, env=dim, camera=wide, size=24), expected)
+    with pytest.raises(tt.Error, match="a point light needs at="):
+        tt.render(ball, light=tt.Light("point"))
+
+
+TAKERS: dict[str, Callable[..., object]] = {
+    "render": tt.render,
+    "Renderer": tt.Renderer,
+    "Renderer.render": lambda model, **options: tt.Renderer(model).render(**options),
+    "Renderer.turntable": lambda model, **options: tt.Renderer(model).turntable(2, **options),
+    "view": tt.view,
+    "compare": tt.compare,
+}
+
+
+@pytest.mark.parametrize("name", TAKERS)
+def test_unknown_options_are_refused(ball: tt.Mesh, name: str) -> None:
+    elsewhere = "turn_deg" if name != "Renderer.render" else "env"
+    for option in ("shadings", elsewhere):
+        with pytest.raises(TypeError, match=f"unexpected keyword argument '{option}'"):
+            TAKERS[name](ball, **{option: 1})
+
+
+def test_all_options_are_listed_and_documented() -> None:
+    options = set(tt.RenderOptions.__annotations__)
+    assert set(inspect.signature(tt.render).parameters) == {"model", "linear"} | options
+    assert set(inspect.signature(tt.Renderer).parameters) == {"model"} | set(tt.RendererOptions.__annotations__)
+    assert set(re.findall(r"^(\w+) : ", inspect.getdoc(tt.RenderOptions) or "", re.M)) == options
 
 
 def test_light_and_output_variables_are_float(scan: tt.Model) -> None:

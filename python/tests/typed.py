@@ -26,6 +26,15 @@ def look(asset: tt.Asset) -> tuple[tt.Image, npt.NDArray[np.float32]]:
     return frames[0] if frames else image, light["depth"]
 
 
+def light(asset: tt.Asset, camera: tt.Camera) -> list[dict[str, npt.NDArray[np.float32]]]:
+    lights = [tt.Light("directional", from_deg=(-75, 10), strength=4), tt.Light("point", at=(1, 2, 3))]
+    options: tt.RenderOptions = {"env": tt.Environment("studio", rotation_deg=30), "light": lights, "size": 256}
+    image: tt.Image = tt.render(asset, **options)
+    image.save("image.png")
+    tt.view(asset, light=["point at=1,2,3", *lights], camera=tt.Camera("front"), fov_deg=20)
+    return tt.Renderer(asset, surface="facet").turntable(36, linear=True, aov=["depth"], camera=camera)
+
+
 def turn(asset: tt.Asset, scan: tt.Model) -> str:
     page: tt.Viewer = tt.view(asset, scan=scan, camera=tt.Orbit(14, 10), env="studio")
     page.save("proof.html")

@@ -1,4 +1,4 @@
-//! What shadow rays hit, as shaders read it: the geometry, and the holes of surfaces, through which they pass.
+//! The targets of shadow rays, as shaders read them: the geometry, and the holes of surfaces, through which rays pass.
 
 use crate::gpu::{Gpu, Result};
 use crate::pipelines::is_blended;

@@ -16,7 +16,6 @@ mod ply;
 mod polygon;
 mod reading;
 mod stl;
-mod text;
 mod write;
 mod xmp;
 

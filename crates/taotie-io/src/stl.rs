@@ -3,10 +3,10 @@
 //! Facets of an ASCII file in the usual layout are read here in parallel; any other layout is left to `stl_io`, which
 //! also reports what is wrong.
 
+use super::file::{Words, decode_text, quote};
 use super::loaded::{Loaded, checked};
 use super::obj::neutral;
 use super::reading::Reading;
-use super::text::{self, Words};
 use std::io::Cursor;
 use std::path::Path;
 use taotie_engine::error::{Error, Result, Warnings};
@@ -40,7 +40,7 @@ pub(super) fn read(reading: &Reading) -> Result<Loaded> {
     reading.count_file(path, if is_ascii { ASCII_MADE } else { BINARY_MADE })?;
     let mut warnings = Warnings::default();
     let data = if is_ascii {
-        let corners = ascii(path, &text::decode(bytes))?;
+        let corners = ascii(path, &decode_text(bytes))?;
         welded(corners.len(), |c| corners[c])
     } else {
         binary(path, &bytes, &mut warnings)?
@@ -250,7 +250,7 @@ fn read_solids(path: &Path, text: &str) -> Result<Vec<Vec3>> {
         return Ok(corners);
     }
     let at = format!("after solid {solids}");
-    Err(Error::parse(path, at, format!("expected `solid`, found {}; fix the file", text::quote(rest))))
+    Err(Error::parse(path, at, format!("expected `solid`, found {}; fix the file", quote(rest))))
 }
 
 fn read_solid(path: &Path, solid: &str, at: &str, corners: &mut Vec<Vec3>) -> Result<()> {

@@ -1,8 +1,8 @@
 //! The native module of the Python package `taotie`: arrays, JSON and handles in and out.
 //!
-//! Names, defaults and types for Python users are defined in `python/taotie`, not here. Options arrive as the JSON
-//! form of the library's own structs (`serde`), reports leave as JSON, and all work runs without the interpreter's
-//! lock, in [`work::run`].
+//! Names and types for Python users are defined in `python/taotie`, not here. Options arrive as the JSON form of the
+//! library's own structs (`serde`), whose defaults apply to omitted ones, reports leave as JSON, and all work runs
+//! without the interpreter's lock, in [`work::run`].
 
 mod arrays;
 mod asset;

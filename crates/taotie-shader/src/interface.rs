@@ -1,4 +1,4 @@
-//! What a host binds to a pixel shader: the layout of buffers, textures and vertex values, and the values of a frame
+//! The interface between a host and a pixel shader: the layout of buffers, textures and vertex values, and the values of a frame
 //! with its lights and its environment.
 
 use serde::Serialize;

@@ -30,7 +30,7 @@ pub mod comparison;
 pub mod inspection;
 pub mod studio;
 
-pub use studio::Picture;
+pub use studio::picture::Picture;
 pub use taotie_engine::film::Development;
 pub use taotie_engine::image::{Bitmap, Image};
 pub use taotie_engine::math::Vec3;

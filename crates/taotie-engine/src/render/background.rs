@@ -1,4 +1,4 @@
-//! What is visible behind the surfaces: the shadow of an object on the ground under it, then the environment.
+//! The background behind the surfaces: the shadow of an object on the ground under it, then the environment.
 
 use super::camera::CameraRays;
 use super::prepare::{Prepared, Ready};

@@ -4,7 +4,6 @@
 //! one defect is drawn without the defective part, or rejected with a one-line error.
 
 mod accessor;
-mod animations;
 mod content;
 mod document;
 #[cfg(feature = "draco")]
@@ -212,7 +211,7 @@ impl Hung {
         let Meshes { nodes: instances, deformed, skins, weights, .. } = self.shown;
         let mut nodes = nodes.nodes;
         weights.into_iter().for_each(|(node, weights)| nodes[node].weights = weights);
-        let animations = animations::read(document, &nodes, warnings);
+        let animations = nodes::animations(document, &nodes, warnings);
         let (cameras, lights) = (self.cameras, self.lights);
         Rig::new(RigData { nodes, skins, deformed, instances, cameras, lights, animations }).map(Some)
     }

@@ -12,10 +12,10 @@ mod statements;
 
 pub(super) use materials::neutral;
 
+use super::file::{quote, read_text};
 use super::loaded::{Loaded, checked};
 use super::polygon::{Cutter, Outline};
 use super::reading::{Reading, find};
-use super::text::{self, quote};
 use content::{Corner, Face, Mark, NONE, Obj, Walk, joined};
 use materials::Textures;
 use mtl::Mtl;
@@ -42,7 +42,7 @@ const NAMED: usize = 64;
 pub(super) fn read(reading: &Reading) -> Result<Loaded> {
     let path = reading.path();
     let mut warnings = Warnings::default();
-    let obj = parse::parse(path, &text::read_text(path)?, &mut warnings)?;
+    let obj = parse::parse(path, &read_text(path)?, &mut warnings)?;
     let parts = build(&obj, &mut warnings)?;
     let mut loaded = Loaded::new(Scene::default(), warnings, "OBJ");
     let scene = assemble(reading, &obj, parts, &mut loaded);
@@ -120,7 +120,7 @@ fn library(reading: &Reading, obj: &Obj, loaded: &mut Loaded) -> HashMap<String,
                 Ok(path) => {
                     files.push(path.clone());
                     let counted = reading.count_file(&path, UNPACKED);
-                    counted.and_then(|()| text::read_text(&path)).map(|text| (path, text))
+                    counted.and_then(|()| read_text(&path)).map(|text| (path, text))
                 }
             };
             match text {

@@ -19,7 +19,7 @@ mod material;
 mod motion;
 mod overrides;
 mod parameters;
-mod picture;
+pub(crate) mod picture;
 mod viewpoint;
 
 pub use environment::{EnvironmentOptions, EnvironmentSource};
@@ -28,7 +28,6 @@ pub use material::{MaterialFile, MaterialOptions};
 pub use motion::{Motion, Sequence, SequenceFrame};
 pub use overrides::{MapOptions, MaterialFactors};
 pub use parameters::{CameraParameters, LightParameters};
-pub use picture::Picture;
 pub use viewpoint::{CameraOptions, Framing, View, Viewpoint};
 
 use std::path::Path;

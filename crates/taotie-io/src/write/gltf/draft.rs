@@ -1,12 +1,14 @@
-//! A glTF document under construction: its JSON, and the data that its accessors refer to.
+//! A glTF document under construction: its JSON, and the data that its accessors refer to; and the two kinds of files
+//! that it becomes, a GLB, or JSON with external files, whose names are relative URIs.
 
-use super::container::{self, Head, uri};
 use super::format::CodecSet;
 use crate::json::Json;
 use crate::write::{FileBytes, FileSet};
 use gltf::json::accessor::ComponentType;
+use percent_encoding::{AsciiSet, CONTROLS, utf8_percent_encode};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
+use std::io::{self, Write};
 use std::path::Path;
 use taotie_engine::error::{Error, Result};
 
@@ -295,7 +297,7 @@ impl GltfDraft {
     pub fn write_glb_in(&self, files: &FileSet, path: &Path) -> Result<()> {
         let head = Head::new(self.text(None)?, self.bytes.len())?;
         files.write_with(path, |mut out| {
-            container::write(&mut out, &head, &self.bytes).map_err(|e| Error::io(path, e))
+            write_chunks(&mut out, &head, &self.bytes).map_err(|e| Error::io(path, e))
         })
     }
 
@@ -304,7 +306,7 @@ impl GltfDraft {
     /// # Errors
     /// [`Error::Limit`] if it would be 4 GiB or more.
     pub fn encode_glb(&self) -> Result<Vec<u8>> {
-        container::encoded(self.text(None)?, &self.bytes)
+        encoded_glb(self.text(None)?, &self.bytes)
     }
 
     /// Returns the document as JSON, followed by its data and images as external files.
@@ -316,6 +318,109 @@ impl GltfDraft {
         let numbers = FileBytes { path: path.with_file_name(&binary), bytes: self.bytes };
         Ok([document, numbers].into_iter().chain(images).collect())
     }
+}
+
+/// The kinds of glTF files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Container {
+    /// One binary file.
+    Glb,
+    /// JSON with external files.
+    Gltf,
+}
+
+impl Container {
+    /// Returns the kind of a file by its extension.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] for another extension.
+    pub fn of(path: &Path) -> Result<Self> {
+        let extension =
+            path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
+        match extension.as_str() {
+            "glb" => Ok(Self::Glb),
+            "gltf" => Ok(Self::Gltf),
+            _ => Err(Error::unsupported(
+                format!("{}: the file extension '{extension}'", path.display()),
+                "use .glb or .gltf",
+            )),
+        }
+    }
+}
+
+/// Writes a GLB to `out`: a header, the JSON, which is padded with spaces, and one chunk of binary data, whose length
+/// is a multiple of four. Source: glTF 2.0, 4.4.
+fn write_chunks(out: &mut dyn Write, head: &Head, binary: &[u8]) -> io::Result<()> {
+    out.write_all(b"glTF\x02\0\0\0")?;
+    out.write_all(&head.length.to_le_bytes())?;
+    out.write_all(&(head.json.len() as u32).to_le_bytes())?;
+    out.write_all(b"JSON")?;
+    out.write_all(&head.json)?;
+    if !binary.is_empty() {
+        out.write_all(&(binary.len() as u32).to_le_bytes())?;
+        out.write_all(b"BIN\0")?;
+        out.write_all(binary)?;
+    }
+    Ok(())
+}
+
+/// Returns the GLB for JSON and binary data, whose length is a multiple of four.
+///
+/// # Errors
+/// [`Error::Limit`] if it would be 4 GiB or more.
+pub(super) fn encoded_glb(json: Vec<u8>, binary: &[u8]) -> Result<Vec<u8>> {
+    let head = Head::new(json, binary.len())?;
+    let mut bytes = Vec::with_capacity(head.length as usize);
+    write_chunks(&mut bytes, &head, binary).map_err(|e| Error::invalid("glTF document", e.to_string()))?;
+    Ok(bytes)
+}
+
+/// The JSON chunk's data and the length of the whole file, which is known to fit.
+#[derive(Debug)]
+struct Head {
+    json: Vec<u8>,
+    length: u32,
+}
+
+impl Head {
+    /// Measures the GLB of `json` and `binary` bytes.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] if its length does not fit 32 bits.
+    fn new(mut json: Vec<u8>, binary: usize) -> Result<Self> {
+        json.resize(json.len().next_multiple_of(4), b' ');
+        let chunk = if binary == 0 { 0 } else { 8 + binary as u64 };
+        let length = 20 + json.len() as u64 + chunk;
+        let too_large = |_| {
+            let why = "the limit is 4 GiB; write .gltf, or use smaller textures or fewer triangles";
+            Error::limit(format!("a GLB of {length} bytes"), why)
+        };
+        Ok(Self { length: u32::try_from(length).map_err(too_large)?, json })
+    }
+}
+
+/// Characters that must be escaped in a relative URI.
+const RESERVED: &AsciiSet = &CONTROLS
+    .add(b' ')
+    .add(b'"')
+    .add(b'#')
+    .add(b'%')
+    .add(b':')
+    .add(b'<')
+    .add(b'>')
+    .add(b'?')
+    .add(b'[')
+    .add(b'\\')
+    .add(b']')
+    .add(b'^')
+    .add(b'`')
+    .add(b'{')
+    .add(b'|')
+    .add(b'}');
+
+/// Returns the relative URI of a file.
+pub(super) fn uri(name: &str) -> String {
+    utf8_percent_encode(name, RESERVED).to_string()
 }
 
 #[cfg(test)]
@@ -331,5 +436,12 @@ mod tests {
         put("", "scene").unwrap();
         assert!(put("/nodes", "0").is_err() && put("/skins", "-").is_err() && put("/scene", "a").is_err());
         assert_eq!(draft.json, json!({ "nodes": [{ "mesh": 7 }, 7], "scene": 7 }));
+    }
+
+    #[test]
+    fn four_gibibytes_are_refused_with_advice() {
+        let error = Head::new(vec![b'{', b'}'], u32::MAX as usize - 31).unwrap_err().to_string();
+        assert!(error.contains("4294967296 bytes") && error.contains("write .gltf"), "{error}");
+        assert_eq!(Head::new(vec![b'{', b'}'], u32::MAX as usize - 35).unwrap().length, u32::MAX - 3);
     }
 }

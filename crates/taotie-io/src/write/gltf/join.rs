@@ -1,11 +1,11 @@
 //! Joins GLBs that show one object at different levels of detail into one (MSFT_lod).
 
 use super::LEVELS;
-use super::buffers::{each_place, joined};
 use super::codec::CodecKind;
-use super::container::{self, Container, uri};
+use super::draft::{Container, encoded_glb, uri};
 use super::edit::{
-    self, Visit, drop_unnamed, each_accessor, each_image, each_texture, each_view, names_no_geometry, short,
+    self, Visit, drop_unnamed, each_accessor, each_image, each_place, each_texture, each_view,
+    joined_buffers, names_no_geometry, short,
 };
 use super::graft::gltf;
 use super::textures::{LEVEL, ROLES, level_role};
@@ -62,10 +62,10 @@ pub fn join_levels(
     };
     // Drops views of images that another level also had.
     drop_unnamed(&mut all.json, "bufferViews", each_view);
-    let bytes = joined(&mut all)?;
+    let bytes = joined_buffers(&mut all)?;
     let mut files = match container {
         Container::Glb => {
-            let bytes = container::encoded(edit::text(&all.json)?, &bytes)?;
+            let bytes = encoded_glb(edit::text(&all.json)?, &bytes)?;
             vec![FileBytes { path: path.to_path_buf(), bytes }]
         }
         Container::Gltf => gltf(path, all.json, bytes)?,

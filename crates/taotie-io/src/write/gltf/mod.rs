@@ -1,9 +1,7 @@
 //! glTF 2.0, `.glb` and `.gltf`: one object with one material, whose triangles may have several alpha modes, in one
 //! or more levels of detail.
 
-mod buffers;
 mod codec;
-mod container;
 mod draft;
 mod edit;
 mod format;
@@ -12,7 +10,6 @@ mod image_encoding;
 mod join;
 mod ktx;
 mod material;
-mod material_json;
 mod mesh;
 mod pack;
 mod scene;
@@ -33,8 +30,8 @@ pub use textures::gltf_sampler;
 use super::{FileBytes, FileSet};
 use crate::json::Json;
 use crate::xmp;
-use container::Container;
-use material_json::MaterialParts;
+use draft::Container;
+use material::MaterialParts;
 use mesh::{Grid, MeshPart, PackedMesh};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};

@@ -1,12 +1,10 @@
 //! The textures of a material: each image is encoded once, with its place in a document; and the sampler of all.
 
 use super::codec::{CodecKind, ImageCodec};
-use super::container::uri;
-use super::draft::GltfDraft;
+use super::draft::{GltfDraft, uri};
 use super::format::GltfFormat;
 use super::image_encoding::{self, Stored};
-use super::material::{GltfImage, GltfMaterial};
-use super::material_json::TextureInfo;
+use super::material::{GltfImage, GltfMaterial, TextureInfo};
 use crate::write::FileBytes;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;

@@ -1,8 +1,7 @@
 //! A material of a document: baked values replace its own, everything else stays as written.
 
 use super::super::edit::{drop_extension, items, remove};
-use super::super::material::GltfMaterial;
-use super::super::material_json::{MaterialParts, PBR, STRENGTH, TextureInfo, layers};
+use super::super::material::{GltfMaterial, MaterialParts, PBR, STRENGTH, TextureInfo, layers};
 use serde_json::Value;
 use taotie_engine::scene::{AlphaMode, Material};
 

@@ -1,7 +1,6 @@
 //! The primitives and nodes of a document: the default material, vertex colours and tangents of primitives, and a
 //! root node that scales everything to metres.
 
-use super::super::buffers;
 use super::super::draft::VERTICES;
 use super::super::edit::{self, short};
 use crate::gltf::{GltfSource, RawGltf, missing_tangents};
@@ -49,7 +48,7 @@ pub(super) fn give_tangents(raw: &mut RawGltf, source: GltfSource<'_>, materials
     }
     for found in missing_tangents(source, raw.reading(), materials)? {
         let bytes = found.tangents.as_flattened().iter().copied().flat_map(f32::to_le_bytes).collect();
-        let view = buffers::add_view(raw, bytes);
+        let view = edit::add_view(raw, bytes);
         for view in edit::items_mut(&mut raw.json, "bufferViews").skip(view) {
             *edit::member(view, "target") = VERTICES.into();
         }

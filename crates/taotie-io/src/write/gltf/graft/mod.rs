@@ -5,9 +5,8 @@
 mod factors;
 mod geometry;
 
-use super::buffers;
 use super::codec::CodecKind;
-use super::container::{self, Container, uri};
+use super::draft::{Container, encoded_glb, uri};
 use super::edit;
 use super::format::GltfFormat;
 use super::material::GltfMaterial;
@@ -116,12 +115,11 @@ pub fn encode_graft(path: &Path, graft: &GltfGraft, format: &GltfFormat) -> Resu
     say_about(&mut raw.json, graft);
     let own_images = prune(&mut raw.json, own_images);
     external.extend(take_along(&mut raw, own_images, storage)?);
-    let bytes = buffers::joined(&mut raw)?;
+    let bytes = edit::joined_buffers(&mut raw)?;
     let mut files = match storage {
-        Storage::Inside => vec![FileBytes {
-            path: path.to_path_buf(),
-            bytes: container::encoded(edit::text(&raw.json)?, &bytes)?,
-        }],
+        Storage::Inside => {
+            vec![FileBytes { path: path.to_path_buf(), bytes: encoded_glb(edit::text(&raw.json)?, &bytes)? }]
+        }
         Storage::Separate(_) => gltf(path, raw.json, bytes)?,
     };
     files.extend(external);
@@ -185,7 +183,7 @@ fn add_image(raw: &mut RawGltf, image: &Encoded, of: &Textured) -> usize {
     let Textured { storage, label, sampler } = *of;
     let json = match (image.bytes(), storage) {
         (Some(bytes), Storage::Inside) => {
-            let view = buffers::add_view(raw, bytes.to_vec());
+            let view = edit::add_view(raw, bytes.to_vec());
             let name = labeled(label, image.role());
             json!({ "name": name, "bufferView": view, "mimeType": image.mime_type() })
         }
@@ -228,7 +226,7 @@ pub(super) fn take_along(raw: &mut RawGltf, count: usize, storage: Storage) -> R
         let Some(kind) = CodecKind::detect(&bytes) else { continue };
         let said = match storage {
             Storage::Inside => {
-                let view = buffers::add_view(raw, bytes);
+                let view = edit::add_view(raw, bytes);
                 vec![("bufferView", json!(view)), ("mimeType", json!(kind.media_type()))]
             }
             Storage::Separate(path) => {

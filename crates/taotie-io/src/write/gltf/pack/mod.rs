@@ -2,25 +2,22 @@
 //! extensions — with fewer bits per vertex, simplified triangles, and re-encoded images.
 
 mod geometry;
-mod image;
 
-use super::buffers;
 use super::codec::CodecKind;
-use super::container;
-use super::draft::{Packing, unpacked_buffer};
+use super::draft::{Packing, encoded_glb, unpacked_buffer};
 use super::edit;
 use super::format::{CodecSet, VertexBits};
+use super::graft::{Storage, take_along};
 use super::image_encoding::LossyTexture;
 use super::stream::{PackedTriangles, Stream};
-use crate::gltf::{Content, GltfSource, OF_TEXTURES, RawGltf, StoredVertices};
+use crate::gltf::{Content, GltfSource, OF_TEXTURES, RawGltf, StoredVertices, image_bytes, uses};
 use crate::limits::Limits;
 use geometry::{Precision, Shaped, Simplified};
-use image::OwnImage;
 use meshopt::SimplifyVertex;
 use serde_json::{Map, Value, json};
 use std::sync::Arc;
 use taotie_engine::error::{Error, Result};
-use taotie_engine::image::Bitmap;
+use taotie_engine::image::{Bitmap, Encoding};
 
 /// A glTF file that can be packed in several ways. Tangents that no material reads are dropped. Meshes packed by an
 /// extension are copied unchanged; so are images that cannot be decoded, are KTX2, or have a use that is not rendered
@@ -92,7 +89,7 @@ impl GltfPacker {
         drop_unread_tangents(&mut raw.json);
         let Content { vertices, images } = Content::read(source, &raw)?;
         let longest_side = longest_side(&raw.json, &images);
-        let images = image::taken(&mut raw, images)?;
+        let images = taken_images(&mut raw, images)?;
         let extents = geometry::extents(&vertices);
         let is_alone = is_alone(&raw.json);
         let locks = |vertices| if is_alone { Vec::new() } else { geometry::locks(vertices) };
@@ -206,7 +203,7 @@ fn used_bytes(raw: &mut RawGltf) -> Result<Vec<u8>> {
         edit::drop_unnamed(&mut raw.json, "accessors", edit::each_accessor);
         edit::drop_unnamed(&mut raw.json, "bufferViews", edit::each_view);
     }
-    buffers::joined(raw)
+    edit::joined_buffers(raw)
 }
 
 /// A packed file under construction.
@@ -284,7 +281,7 @@ impl Packed {
         let kind = CodecKind::detect(bytes).unwrap_or(own.kind);
         *edit::member(json, "mimeType") = kind.media_type().into();
         if kind != own.kind {
-            image::show_as(kind, &mut self.json, number);
+            show_as(kind, &mut self.json, number);
         }
     }
 
@@ -302,6 +299,91 @@ impl Packed {
         for codecs in [CodecSet::Portable, CodecSet::WebLatest] {
             edit::drop_unused(&mut self.json, &["buffers", "bufferViews"], codecs.meshopt());
         }
-        container::encoded(edit::text(&self.json)?, &self.bytes)
+        encoded_glb(edit::text(&self.json)?, &self.bytes)
     }
+}
+
+/// An image that can be re-encoded.
+#[derive(Debug)]
+struct OwnImage {
+    texture: LossyTexture,
+    /// The bytes of its file.
+    stored: Vec<u8>,
+    kind: CodecKind,
+}
+
+/// Takes the bytes of images out of a document; `None` for an image that stays in it.
+///
+/// # Errors
+/// [`taotie_engine::Error::Io`] if a file cannot be read.
+fn taken_images(raw: &mut RawGltf, bitmaps: Vec<Option<Bitmap>>) -> Result<Vec<Option<OwnImage>>> {
+    take_along(raw, bitmaps.len(), Storage::Inside)?;
+    let is_opaque = is_opaque(&raw.json);
+    let own = bitmaps.into_iter().enumerate().map(|(number, bitmap)| {
+        let encoding = encoding(&uses(&raw.json, number)).filter(|_| !has_substitute(&raw.json, number))?;
+        let stored = image_bytes(raw, raw.json.pointer(&format!("/images/{number}"))?).ok()??;
+        let kind = CodecKind::detect(&stored).filter(|kind| *kind != CodecKind::Ktx2)?;
+        // The maximum side length of WebP.
+        let bits = if encoding == Encoding::Srgb { 8 } else { 16 };
+        let fits = |bitmap: &Bitmap| bitmap.bits() <= bits && bitmap.width().max(bitmap.height()) <= 16_383;
+        let bitmap = bitmap.filter(|bitmap| cfg!(feature = "webp") && fits(bitmap))?;
+        let texture = LossyTexture::new(bitmap, encoding);
+        let texture = if is_opaque { texture.without_alpha() } else { texture };
+        let json = raw.json.pointer_mut(&format!("/images/{number}"))?;
+        ["bufferView", "uri", "mimeType"].iter().for_each(|name| edit::remove(json, name));
+        Some(OwnImage { texture, stored, kind })
+    });
+    Ok(own.collect())
+}
+
+/// Returns `true` if no material of a document reads alpha.
+fn is_opaque(json: &Value) -> bool {
+    let mode = |material: &Value| material.get("alphaMode").is_none_or(|mode| mode == "OPAQUE");
+    edit::items(json, "materials").iter().all(mode)
+}
+
+/// Returns the encoding of an image's texels according to its uses; `None` if it has several encodings, none, or one
+/// whose loss cannot be measured here.
+fn encoding(uses: &[String]) -> Option<Encoding> {
+    let of = |role: &String| match role.as_str() {
+        "normal" => Some(Encoding::Normal),
+        "base color" | "emissive" => Some(Encoding::Srgb),
+        "metallic roughness" | "occlusion" => Some(Encoding::Linear),
+        _ => None,
+    };
+    let first = of(uses.first()?)?;
+    uses.iter().all(|role| of(role) == Some(first)).then_some(first)
+}
+
+/// Updates textures to an image whose kind has changed: with the right extension, or without.
+fn show_as(kind: CodecKind, json: &mut Value, number: usize) {
+    let pointer = |name: &str| format!("/extensions/{name}/source");
+    for texture in edit::items_mut(json, "textures") {
+        let extended = OF_TEXTURES.iter().find_map(|name| texture.pointer(&pointer(name)));
+        if extended.or(texture.get("source")).and_then(Value::as_u64) != Some(number as u64) {
+            continue;
+        }
+        edit::remove(texture, "source");
+        let extensions = edit::member(texture, "extensions");
+        OF_TEXTURES.iter().for_each(|name| edit::remove(extensions, name));
+        match kind.extension() {
+            Some(name) => *edit::member(extensions, name) = json!({ "source": number }),
+            None => *edit::member(texture, "source") = number.into(),
+        }
+        if texture["extensions"].as_object().is_none_or(|all| all.is_empty()) {
+            edit::remove(texture, "extensions");
+        }
+    }
+    if let Some(name) = kind.extension() {
+        edit::require(json, name);
+    }
+}
+
+/// Returns `true` if a texture has an alternative to this image, which is a fallback for programs that cannot read
+/// it.
+fn has_substitute(json: &Value, number: usize) -> bool {
+    let shows = |texture: &Value, name: &str| texture.pointer(&format!("/extensions/{name}")).is_some();
+    let substitutes = |texture: &Value| OF_TEXTURES.iter().any(|name| shows(texture, name));
+    let own = |texture: &&Value| edit::number(texture, "source") == Some(number);
+    edit::items(json, "textures").iter().filter(own).any(substitutes)
 }
