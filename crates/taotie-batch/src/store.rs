@@ -7,7 +7,6 @@ use crate::record::{FileEntry, InputFile, Part, SCHEMA, ShortFigures};
 use crate::settings::AssetSettings;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 use std::fs;
 use std::path::{Path, PathBuf};
 use taotie::Warning;
@@ -279,11 +278,7 @@ pub fn address_of_derived(kind: &str, settings: &impl Serialize, asset: &str) ->
 /// Returns the SHA-256 of a value as JSON, hexadecimal. Struct fields are hashed in declaration order.
 pub fn hash_of(value: &impl Serialize) -> String {
     let text = serde_json::to_string(value).expect("all keys are text");
-    hexadecimal(&Sha256::digest(text))
-}
-
-fn hexadecimal(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+    taotie_io::sha256_of(text.as_bytes())
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@
 //! use taotie_engine::render::{Lighting, Prepared, RenderSettings, Shot};
 //! use taotie_gpu::{AdapterChoice, Gpu, GpuRenderer};
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let scene = taotie_io::load_model("statue.glb".as_ref())?.scene;
+//! let scene = taotie_io::load_model("statue.glb")?.scene;
 //! # let camera = scene.cameras()[0].clone();
 //! let (lighting, settings) = (Lighting::default(), RenderSettings::default());
 //! let prepared = Prepared::new(scene, &settings.surface)?;

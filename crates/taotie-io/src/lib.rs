@@ -1,5 +1,11 @@
-//! Reading and writing files: models, textures and images. The only module that handles paths and sRGB-encoded
-//! numbers.
+//! Reads and writes models, images and sets of files. The only crate of the library that accesses files, the clock and
+//! environment variables.
+//!
+//! ```no_run
+//! let model = taotie_io::load_model("vase.ply")?;
+//! println!("{} triangles", model.scene.triangle_count());
+//! # Ok::<(), taotie_engine::Error>(())
+//! ```
 
 mod bitmap;
 pub mod cache;
@@ -16,35 +22,33 @@ mod ply;
 mod polygon;
 mod reading;
 mod stl;
+mod text;
 mod write;
 mod xmp;
 
-pub use gltf::{ContentSize, GLTF_EXTENSIONS, GltfSizes, GltfSource, ImageSize};
-pub use gltf::{StoredImage, StoredParts};
+pub use gltf::{ContentSize, GLTF_EXTENSIONS, GltfSizes, GltfSource, ImageSize, StoredImage, StoredParts};
 
 pub use bitmap::{
     decode_bitmap, decode_environment, decode_environment_within, read_bitmap, read_bitmap_within,
 };
 pub use file::{file_size, read as read_bytes, sha256, sha256_of};
 pub use json::Json;
-pub use limits::Stopwatch;
-pub use limits::{Bytes, Limits, free_memory};
+pub use limits::{Bytes, Limits, Stopwatch, free_memory};
 pub use loaded::{GltfStructure, Loaded, RootNode, Variants};
 #[cfg(feature = "exr")]
 pub use write::encode_exr;
 pub use write::{
-    AnimatedImage, AnimationFormat, AnimationSpec, CodecKind, CodecSet, FileBytes, FileSet, GltfAsset,
-    GltfDraft, GltfFormat, GltfImage, GltfMaterial, GltfPacker, ImageCodec, ImageFormat, LossyTexture,
-    PackedGeometry, PackedImage, PngColor, PngImage, PngSamples, Stopper, TextureCodecs, VertexBits,
-    WrittenScene, encode_glb, encode_gltf, encode_jpeg_bitmap, encode_png, encode_png_bitmap, encode_scene,
-    encode_scene_as, encode_webp_bitmap, gltf_sampler, join_levels, write_bytes, write_gltf, write_image,
-    write_png, write_png_bitmap, write_scene, write_text,
+    AnimatedImage, AnimationFormat, AnimationSpec, CodecKind, CodecSet, EncodedModel, FileBytes, FileSet,
+    GltfAsset, GltfDraft, GltfFormat, GltfGraft, GltfImage, GltfMaterial, GltfPacker, GraftedMaterial,
+    ImageCodec, ImageFormat, LossyTexture, PackedGeometry, PackedImage, PngColor, PngImage, PngSamples,
+    Stopper, TextureCodecs, VertexBits, WrittenScene, encode_glb, encode_gltf, encode_graft,
+    encode_jpeg_bitmap, encode_png, encode_png_bitmap, encode_scene, encode_scene_as, encode_webp_bitmap,
+    gltf_files, gltf_sampler, join_levels, write_bytes, write_gltf, write_image, write_png, write_png_bitmap,
+    write_scene, write_text,
 };
-pub use write::{EncodedModel, GltfGraft, GraftedMaterial, encode_graft, gltf_files};
 #[cfg(feature = "exr")]
 pub use write::{ExrLayer, write_exr};
-pub use xmp::{Provenance, XmpEvent, xmp_rights, xmp_sources};
-pub use xmp::{XmpProperties, xmp_history};
+pub use xmp::{Provenance, XmpEvent, XmpProperties, xmp_history, xmp_rights, xmp_sources};
 
 use reading::Reading;
 use std::collections::BTreeSet;
@@ -59,8 +63,8 @@ use taotie_engine::error::{Error, Result};
 /// [`Error::Io`] if the file cannot be read, [`Error::Unsupported`] for another extension or an unsupported feature,
 /// [`Error::Parse`] if the content is invalid and nothing can be drawn, [`Error::Limit`] if it does not fit
 /// [`Limits::default`].
-pub fn load_model(path: &Path) -> Result<Loaded> {
-    load_model_within(path, &Limits::default())
+pub fn load_model(path: impl AsRef<Path>) -> Result<Loaded> {
+    load_model_within(path.as_ref(), &Limits::default())
 }
 
 /// Reads a model like [`load_model`], within limits: on memory, as far as headers reveal it before anything is

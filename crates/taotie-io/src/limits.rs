@@ -11,7 +11,7 @@ use taotie_engine::error::{Error, Result};
 /// A number of bytes, written as e.g. 4G, 1.5GB or 800M.
 ///
 /// ```
-/// use taotie::asset::Bytes;
+/// use taotie_io::Bytes;
 ///
 /// let most: Bytes = "1.5GB".parse()?;
 /// assert_eq!(most, Bytes(3 << 29));
@@ -60,10 +60,9 @@ impl fmt::Display for Bytes {
 /// Limits on the resources that work may use, and on the files that a model may cause to be read.
 ///
 /// ```
-/// use taotie::asset::{BakeOptions, Baker, Limits};
+/// use taotie_io::Limits;
 ///
 /// let limits = Limits { memory: Some("4G".parse()?), ..Limits::default() };
-/// let baker = Baker::new(BakeOptions::default()).with_limits(limits);
 /// assert_eq!(limits.or_free(), limits);
 /// # Ok::<(), taotie_engine::Error>(())
 /// ```
@@ -110,7 +109,7 @@ impl Limits {
     /// Rejects work that needs more memory than allowed. `what` is the work.
     ///
     /// ```
-    /// use taotie::asset::{Bytes, Limits};
+    /// use taotie_io::{Bytes, Limits};
     ///
     /// let limits = Limits { memory: Some(Bytes(1 << 30)), ..Limits::default() };
     /// assert!(limits.check("a small image", Bytes(1 << 20)).is_ok());

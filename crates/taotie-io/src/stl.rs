@@ -3,10 +3,10 @@
 //! Facets of an ASCII file in the usual layout are read here in parallel; any other layout is left to `stl_io`, which
 //! also reports what is wrong.
 
-use super::file::{Words, decode_text, quote};
 use super::loaded::{Loaded, checked};
 use super::obj::neutral;
 use super::reading::Reading;
+use super::text::{Words, decode_text, quote};
 use std::io::Cursor;
 use std::path::Path;
 use taotie_engine::error::{Error, Result, Warnings};

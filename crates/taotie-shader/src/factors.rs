@@ -1,8 +1,8 @@
 //! The factors of a surface: the fields of its uniform buffer, and their values.
 
 use crate::interface::{Interface, UniformField, Unplaced, ValueKind, buffer_size};
-use taotie_engine::math::{Vec3, scalar};
-use taotie_engine::pixel::MaterialUniforms;
+use taotie_engine::math::Vec3;
+use taotie_engine::pixel::{MaterialUniforms, Texel, own_turn};
 use taotie_engine::render::Surface;
 use taotie_engine::scene::{AlphaMode, HeightMap, Material, NormalMap, Scene, TextureRole};
 
@@ -35,7 +35,8 @@ struct Factor {
     name: &'static str,
     kind: ValueKind,
     meaning: &'static str,
-    value: fn(&SurfaceFactors<'_>) -> Vec<f32>,
+    /// `None` for the factor of the [`Texel`] with this name.
+    value: Option<fn(&SurfaceFactors<'_>) -> Vec<f32>>,
 }
 
 const fn number(
@@ -43,7 +44,7 @@ const fn number(
     meaning: &'static str,
     value: fn(&SurfaceFactors<'_>) -> Vec<f32>,
 ) -> Factor {
-    Factor { name, kind: ValueKind::Number, meaning, value }
+    Factor { name, kind: ValueKind::Number, meaning, value: Some(value) }
 }
 
 const fn vector(
@@ -51,26 +52,26 @@ const fn vector(
     meaning: &'static str,
     value: fn(&SurfaceFactors<'_>) -> Vec<f32>,
 ) -> Factor {
-    Factor { name, kind: ValueKind::Vec3, meaning, value }
+    Factor { name, kind: ValueKind::Vec3, meaning, value: Some(value) }
+}
+
+const fn of_texel(name: &'static str, kind: ValueKind, meaning: &'static str) -> Factor {
+    Factor { name, kind, meaning, value: None }
 }
 
 /// All factors, except for texture transforms.
 const FACTORS: [Factor; 33] = [
     vector("base_color", "Multiplies the tint, linear RGB in [0, 1].", |s| vec3(uniforms(s).base_color)),
-    number("alpha", "Multiplies the opacity, [0, 1].", |s| vec![s.material.base_color[3]]),
+    of_texel("alpha", ValueKind::Number, "Multiplies the opacity, [0, 1]."),
     number("cutoff", "The alpha below which a masked surface is discarded.", |s| vec![cutoff(s.material)]),
-    number("metallic", "[0, 1].", |s| vec![s.material.metallic]),
-    number("roughness", "Perceptual roughness, [0, 1].", |s| vec![s.material.roughness]),
+    of_texel("metallic", ValueKind::Number, "[0, 1]."),
+    of_texel("roughness", ValueKind::Number, "Perceptual roughness, [0, 1]."),
     number("occlusion_strength", "The strength of occlusion, [0, 1].", |s| {
         vec![s.material.occlusion_strength]
     }),
-    vector("emissive", "Emitted radiance, linear RGB.", |s| s.material.emissive.to_vec()),
-    number("specular", "The strength of a dielectric's reflection, [0, 1].", |s| {
-        vec![s.material.specular.factor]
-    }),
-    vector("specular_color", "Multiplies a dielectric's F0, linear RGB, at least 0.", |s| {
-        s.material.specular.color.to_vec()
-    }),
+    of_texel("emissive", ValueKind::Vec3, "Emitted radiance, linear RGB."),
+    of_texel("specular", ValueKind::Number, "The strength of a dielectric's reflection, [0, 1]."),
+    of_texel("specular_color", ValueKind::Vec3, "Multiplies a dielectric's F0, linear RGB, at least 0."),
     number("dielectric_f0", "F0 of the dielectric part, ((η − 1)/(η + 1))².", |s| {
         vec![uniforms(s).dielectric_f0]
     }),
@@ -102,27 +103,17 @@ const FACTORS: [Factor; 33] = [
     number("height_last_level", "The index of the height map's coarsest level.", |s| {
         vec![s.height_levels.saturating_sub(1) as f32]
     }),
-    number("clearcoat", "The fraction of the surface covered by the clearcoat, [0, 1].", |s| {
-        vec![coat(s, |coat| coat.factor)]
-    }),
-    number("clearcoat_roughness", "The clearcoat's perceptual roughness, [0, 1].", |s| {
-        vec![coat(s, |coat| coat.roughness)]
-    }),
+    of_texel("clearcoat", ValueKind::Number, "The fraction of the surface covered by the clearcoat, [0, 1]."),
+    of_texel("clearcoat_roughness", ValueKind::Number, "The clearcoat's perceptual roughness, [0, 1]."),
     number("clearcoat_normal_scale", "Multiplies x and y of the clearcoat's normal map.", |s| {
         vec![coat(s, |coat| scale(&coat.normal))]
     }),
     number("clearcoat_normal_green", "1 if green points up, −1 if it points down.", |s| {
         vec![coat(s, |coat| green(&coat.normal))]
     }),
-    vector("sheen_color", "The colour of the sheen, linear RGB in [0, 1].", |s| {
-        s.material.sheen.map_or([0.0; 3], |sheen| sheen.color).to_vec()
-    }),
-    number("sheen_roughness", "The sheen's perceptual roughness, [0, 1].", |s| {
-        vec![s.material.sheen.map_or(0.0, |sheen| sheen.roughness)]
-    }),
-    number("anisotropy", "The strength of the anisotropy, [0, 1].", |s| {
-        vec![s.material.anisotropy.map_or(0.0, |anisotropy| anisotropy.strength)]
-    }),
+    of_texel("sheen_color", ValueKind::Vec3, "The colour of the sheen, linear RGB in [0, 1]."),
+    of_texel("sheen_roughness", ValueKind::Number, "The sheen's perceptual roughness, [0, 1]."),
+    of_texel("anisotropy", ValueKind::Number, "The strength of the anisotropy, [0, 1]."),
     number(
         "anisotropy_cos",
         "The cosine of the angle from the tangent to the direction of anisotropy.",
@@ -164,10 +155,9 @@ fn coat(surface: &SurfaceFactors<'_>, value: impl Fn(&taotie_engine::scene::Clea
     surface.material.clearcoat.as_ref().map_or(0.0, value)
 }
 
-/// Cosine and sine of the anisotropy angle, at the 32-bit precision of files.
+/// Cosine and sine of the anisotropy angle.
 fn turn(material: &Material) -> [f32; 2] {
-    let angle = material.anisotropy.map_or(0.0, |anisotropy| f64::from(anisotropy.rotation as f32));
-    [scalar::cos(angle) as f32, scalar::sin(angle) as f32]
+    material.anisotropy.as_ref().map_or([1.0, 0.0], own_turn)
 }
 
 /// The meanings of the fields of a texture's transform.
@@ -211,12 +201,21 @@ pub(crate) fn fields(is_read: impl Fn(&str) -> bool) -> Vec<Unplaced> {
 /// The value of a field, by its name.
 fn value(surface: &SurfaceFactors<'_>, name: &str) -> Option<Vec<f32>> {
     if let Some(factor) = FACTORS.iter().find(|factor| factor.name == name) {
-        return Some((factor.value)(surface));
+        return factor
+            .value
+            .map_or_else(|| texel_factor(surface.material, name), |value| Some(value(surface)));
     }
     let role = TextureRole::ALL.into_iter().find(|role| transform_names(*role).iter().any(|n| n == name))?;
     let transform = role.of(surface.material)?.transform;
     let is_offset = name.ends_with("_offset");
     Some(if is_offset { transform.offset.to_vec() } else { transform.linear.as_flattened().to_vec() })
+}
+
+/// The factor of the texel with this name; zero if the material lacks its layer.
+fn texel_factor(material: &Material, name: &str) -> Option<Vec<f32>> {
+    let texel = Texel::named(name)?;
+    let factor = texel.factor(material).unwrap_or_default();
+    Some(factor[..texel.channels().len()].to_vec())
 }
 
 impl Interface {

@@ -1,5 +1,5 @@
-//! The interface between a host and a pixel shader: the layout of buffers, textures and vertex values, and the values of a frame
-//! with its lights and its environment.
+//! The interface between a host and a pixel shader: the layout of buffers, textures and vertex values, and the values
+//! of a frame with its lights and its environment.
 
 use serde::Serialize;
 use taotie_engine::math::Vec3;

@@ -31,8 +31,10 @@ mod vectors;
 pub use evaluate::{EvaluateError, evaluate};
 pub use factors::SurfaceFactors;
 pub use graph::{Binary, Call, Field, Graph, Id, Kind, Node, Parameter, Unary};
-pub use interface::{BufferSlot, Interface, TextureSlot, UniformField, ValueKind, VertexInput, buffer_size};
-pub use interface::{EnvironmentAtlas, FrameFactors, MOST_LEVELS, MOST_LIGHTS, light_numbers, opaque};
+pub use interface::{
+    BufferSlot, EnvironmentAtlas, FrameFactors, Interface, MOST_LEVELS, MOST_LIGHTS, TextureSlot,
+    UniformField, ValueKind, VertexInput, buffer_size, light_numbers, opaque,
+};
 pub use language::Language;
 pub use library::library;
 pub use models::model_name;

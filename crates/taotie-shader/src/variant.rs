@@ -1,7 +1,7 @@
 //! The facts known about a surface before any pixel: which parts of the pixel program it needs.
 
 use std::collections::BTreeMap;
-use taotie_engine::pixel::{Model, takes_compensation, takes_roughness};
+use taotie_engine::pixel::{Model, has_packed_occlusion, takes_compensation, takes_roughness};
 use taotie_engine::render::{GrazingNormals, RenderSettings, Surface};
 use taotie_engine::scene::{AlphaMode, Material, TextureRef, TextureRole, UvTransform};
 use taotie_engine::shade::{Energy, Shading};
@@ -251,11 +251,6 @@ impl Authored {
             shininess: classic.shininess.is_some(),
         }
     }
-}
-
-/// Returns true if occlusion is in the red channel of the metallic-roughness texture.
-fn has_packed_occlusion(material: &Material) -> bool {
-    material.occlusion_texture.is_some() && material.occlusion_texture == material.metallic_roughness_texture
 }
 
 /// The textures that a surface may read, and their mappings.

@@ -24,7 +24,7 @@ pub fn turntable(scene: Scene, count: u32, size: u32, output: &Path) -> Result<V
 pub fn main() -> Result<()> {
     let [model, output, count] = [1, 2, 3].map(|place| std::env::args().nth(place));
     let scene = match model {
-        Some(model) => taotie::load_model(model.as_ref())?.scene,
+        Some(model) => taotie::load_model(model)?.scene,
         None => Scene::of_mesh(Mesh::sphere(1.0, 96, 48), Material::default())?,
     };
     let count = count.and_then(|count| count.parse().ok()).unwrap_or(12);

@@ -6,21 +6,15 @@
 //! ```no_run
 //! use taotie::Picture;
 //!
-//! let scene = taotie::load_model("model.glb".as_ref())?.scene;
-//! let picture = Picture::default();
-//! picture.write(&scene, "model.png".as_ref())?;
+//! let scene = taotie::load_model("model.glb")?.scene;
+//! Picture::default().write(&scene, "model.png")?;
 //! # Ok::<(), taotie::Error>(())
 //! ```
 //!
 //! An asset and its proof: see [`asset`].
 //!
 //! Nothing prints, and results do not depend on the machine: the same scene gives the same bits at every SIMD level and
-//! with any number of threads. Modules import only from lower layers and never from a sibling:
-//!
-//! ```text
-//! asset    comparison
-//! studio   inspection
-//! ```
+//! with any number of threads.
 //!
 //! The crates below, `taotie-io` (files) and `taotie-engine` (surfaces, shading, rendering, baking, comparing), have all
 //! the parts. Their interfaces change with their needs; this one is kept stable.
@@ -28,9 +22,10 @@
 pub mod asset;
 pub mod comparison;
 pub mod inspection;
+mod picture;
 pub mod studio;
 
-pub use studio::picture::Picture;
+pub use picture::Picture;
 pub use taotie_engine::film::Development;
 pub use taotie_engine::image::{Bitmap, Image};
 pub use taotie_engine::math::Vec3;

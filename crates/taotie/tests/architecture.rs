@@ -24,7 +24,7 @@ use std::path::{Path, PathBuf};
 
 /// Every top-level module of the engine and of `taotie` with its layer. A module imports only from lower layers; modules
 /// of the same layer never see each other. Cargo keeps the crates in order: the engine, `taotie-io`, `taotie`.
-const LAYERS: [(&str, u32); 25] = [
+const LAYERS: [(&str, u32); 26] = [
     // The foundation of everything: `math` too reports errors and has values chosen by name.
     ("error", 0),
     ("names", 1),
@@ -50,20 +50,26 @@ const LAYERS: [(&str, u32); 25] = [
     // The crate `taotie`.
     ("studio", 8),
     ("inspection", 8),
+    ("picture", 9),
     ("asset", 9),
     ("comparison", 9),
 ];
 
 /// The names re-exported by the crate's root, and the modules that they come from.
-const RENAMED: [(&str, &str); 4] =
-    [("Error", "error"), ("Result", "error"), ("Warnings", "error"), ("Progress", "progress")];
+const RENAMED: [(&str, &str); 5] = [
+    ("Error", "error"),
+    ("Result", "error"),
+    ("Warning", "error"),
+    ("Warnings", "error"),
+    ("Progress", "progress"),
+];
 
 /// Parts of `std` that access the system, and the modules that may use them; `io` is the crate `taotie-io`.
 const SYSTEM: [(&str, &[&str]); 6] = [
     ("env", &["io"]),
     ("fs", &["io"]),
     ("net", &[]),
-    ("path", &["io", "error", "studio", "asset"]),
+    ("path", &["io", "error", "studio", "asset", "picture"]),
     ("process", &[]),
     ("time", &["io"]),
 ];

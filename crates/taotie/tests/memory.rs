@@ -1,6 +1,5 @@
 //! The memory estimate of a bake, compared with the memory it takes. The peak is that of the process, so this file
-//! has
-//! one test.
+//! has one test.
 
 use taotie::Bytes;
 use taotie::asset::{BakeOptions, Baker, ScanFile};

@@ -1,6 +1,5 @@
 //! The memory estimate of a glTF file with its bytes in `data:` URIs, compared with the memory it takes. The peak is
-//! that
-//! of the process, so this file has one test.
+//! that of the process, so this file has one test.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};

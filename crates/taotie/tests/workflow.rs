@@ -495,8 +495,7 @@ fn a_cancel_in_any_stage_leaves_no_file() {
 }
 
 /// A listener is called every 20 ms, so that a cancellation takes effect within 100 ms; a machine that is busy with
-/// other
-/// tests may take longer to wake a thread, hence the wider bound.
+/// other tests may take longer to wake a thread, hence the wider bound.
 const MOST: Duration = Duration::from_millis(250);
 
 #[test]

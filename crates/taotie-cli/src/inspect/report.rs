@@ -261,7 +261,7 @@ fn factors(material: &MaterialReport) -> String {
         [("shininess", classic.shininess), ("slope", classic.slope), ("height scale", material.height_scale)];
     let given = scalars.into_iter().filter_map(|(key, value)| Some((key, value?)));
     parts.extend(given.map(|(key, value)| format!("{key} {value}")));
-    parts.extend(words::layers(&material.layers));
+    parts.extend(words::layers(material));
     if material.unlit {
         parts.push("unlit".into());
     }

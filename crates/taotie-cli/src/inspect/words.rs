@@ -1,9 +1,9 @@
 //! Names, counts, numbers, layers of materials and hints, as text.
 
 use crate::console;
-use taotie::inspection::{AnisotropyReport, ClearcoatReport, Hint, LayersReport};
+use taotie::inspection::{Hint, LayerReport, MaterialReport};
 use taotie_engine::names::Named;
-use taotie_engine::scene::NormalSpace;
+use taotie_engine::scene::{FactorValue, LAYERS, Layer, Material, NormalSpace};
 use taotie_engine::surface::{GreenVerdict, NormalMapKind};
 
 /// Length above which names are shortened, characters.
@@ -126,32 +126,45 @@ pub fn verdict(verdict: GreenVerdict) -> &'static str {
 }
 
 /// Returns the differences from a plain material.
-pub fn layers(layers: &LayersReport) -> Vec<String> {
-    let mut words = Vec::new();
-    if layers.ior != 1.5 {
-        words.push(format!("ior {}", layers.ior));
-    }
-    if layers.specular.factor != 1.0 {
-        words.push(format!("specular factor {}", layers.specular.factor));
-    }
-    if layers.specular.color != [1.0; 3] {
-        words.push(format!("specular colour {}", color(layers.specular.color)));
-    }
-    if let Some(ClearcoatReport { factor, roughness, normal_scale, .. }) = &layers.clearcoat {
-        let normal = normal_scale.map(|scale| format!(" and normal map scale {scale}")).unwrap_or_default();
-        words.push(format!("clearcoat {factor} with roughness {roughness}{normal}"));
-    }
-    if let Some(AnisotropyReport { strength, rotation_deg, .. }) = &layers.anisotropy {
-        words.push(format!("anisotropy {strength} at {rotation_deg:.1}°"));
-    }
-    if let Some(sheen) = &layers.sheen {
-        words.push(format!("sheen {} with roughness {}", color(sheen.color), sheen.roughness));
-    }
-    words
+pub fn layers(material: &MaterialReport) -> Vec<String> {
+    let ior = (material.ior != 1.5).then(|| format!("ior {}", material.ior));
+    let layers = LAYERS.iter().zip(&material.layers).flat_map(|(layer, report)| differences(layer, report));
+    ior.into_iter().chain(layers).collect()
 }
 
-fn color(color: [f32; 3]) -> String {
-    color.map(|v| v.to_string()).join(" ")
+/// Returns an optional layer in one text, or the factors of another that differ from the default.
+fn differences(layer: &Layer, report: &LayerReport) -> Vec<String> {
+    match report.values.split_first() {
+        Some(((_, first), others)) if layer.is_optional() => {
+            let others: String = others.iter().map(|(name, value)| further(name, *value)).collect();
+            vec![format!("{} {}{others}", layer.name, text(*first))]
+        }
+        _ => {
+            let plain = Material::default();
+            let values = layer.factors.iter().zip(&report.values);
+            let others = values.filter(|(factor, (_, value))| (factor.get)(&plain) != *value);
+            others.map(|(factor, (_, value))| format!("{} {}", factor.name, text(*value))).collect()
+        }
+    }
+}
+
+/// Returns a value of a layer after its first.
+fn further(name: &str, value: Option<FactorValue>) -> String {
+    match value {
+        None => String::new(),
+        Some(FactorValue::Angle(_)) => format!(" at {}", text(value)),
+        Some(_) if name == "normal_scale" => format!(" and normal map scale {}", text(value)),
+        Some(_) => format!(" with {name} {}", text(value)),
+    }
+}
+
+fn text(value: Option<FactorValue>) -> String {
+    match value {
+        None => String::new(),
+        Some(FactorValue::Number(number)) => number.to_string(),
+        Some(FactorValue::Color(color)) => color.map(|v| v.to_string()).join(" "),
+        Some(FactorValue::Angle(angle)) => format!("{:.1}°", angle.to_degrees()),
+    }
 }
 
 #[cfg(test)]

@@ -151,7 +151,7 @@ impl MaterialArgs {
         let materials = scene.materials();
         let has_coat_map =
             |material: &Material| material.clearcoat.as_ref().is_some_and(|c| c.normal.is_some());
-        let stretched = materials.iter().any(|m| m.anisotropy.is_some() || has_coat_map(m));
+        let stretched = materials.iter().any(|m| m.has_direction() || has_coat_map(m));
         let mapped = materials.iter().any(|material| material.normal.is_some());
         // Without any map, the warning is added when the model is read.
         let unread = self.tangents.is_some() && mapped && !stretched && !reads_normal_maps;
@@ -238,7 +238,7 @@ pub fn note_unread(args: &MaterialArgs, height_scale: Option<f64>, scene: &Scene
     let materials = scene.materials();
     let is_plain = scene.meshes().iter().all(|mesh| mesh.uvs().is_empty());
     let (mapped, lifted) = (materials.iter().any(has_normal_map), materials.iter().any(has_heights));
-    let framed = mapped || materials.iter().any(|material| material.anisotropy.is_some());
+    let framed = mapped || materials.iter().any(Material::has_direction);
     let unread = [
         ("--green has no effect: no material has a normal map", args.green.is_some() && !mapped),
         ("--bump-scale has no effect: no material has a height map", height_scale.is_some() && !lifted),

@@ -10,6 +10,20 @@ use crate::parallel;
 use crate::surface::facet_normal;
 use crate::trace::Bvh;
 
+/// The fraction of the diagonal beyond which a scan does not match the surface of a low-poly mesh.
+const AWAY: f64 = 0.02;
+
+/// Measures how well a low-poly mesh and a scan fit together.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fit {
+    /// The fraction of the low-poly mesh that is farther than a fiftieth of the diagonal from the scan, [0, 1].
+    pub away: f64,
+    /// The fraction that faces the opposite way to the closest surface of the scan, [0, 1].
+    pub turned: f64,
+    /// The mean distance as a fraction of the diagonal.
+    pub distance: f64,
+}
+
 /// Measures a pair of meshes before anything is baked.
 impl Verifier<'_> {
     /// For points spread over the low-poly mesh: the fraction with no surface of the scan nearby, the fraction whose
@@ -34,20 +48,6 @@ impl Verifier<'_> {
             distance: found.iter().map(|f| f.0).sum::<f64>() / found.len().max(1) as f64,
         })
     }
-}
-
-/// The fraction of the diagonal beyond which a scan does not match the surface of a low-poly mesh.
-const AWAY: f64 = 0.02;
-
-/// Measures how well a low-poly mesh and a scan fit together.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Fit {
-    /// The fraction of the low-poly mesh that is farther than a fiftieth of the diagonal from the scan, [0, 1].
-    pub away: f64,
-    /// The fraction that faces the opposite way to the closest surface of the scan, [0, 1].
-    pub turned: f64,
-    /// The mean distance as a fraction of the diagonal.
-    pub distance: f64,
 }
 
 /// Number of points at which each surface is examined.

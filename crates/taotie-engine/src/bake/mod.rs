@@ -1,5 +1,5 @@
-//! Baking: simplifies and unwraps high-poly surfaces, finds the correspondence of the points of a low-poly surface
-//! and the point of a mesh that each texel of a map shows.
+//! Baking: simplifies and unwraps a high-poly surface, projects a low-poly one onto it, and averages the values that
+//! the samples of each texel find. [`bake`] is the whole; [`Verifier`] measures the result.
 //!
 //! [`Coverage`] holds the triangle of each texel, [`TexelSurface`] the surface point there. The formulas are in
 //! [`crate::surface`]; here they are evaluated for all texels, in parallel and with the same bits for any number of
@@ -30,10 +30,8 @@ mod verify;
 pub use appearance::{MaterialSample, leading_texture};
 pub use cage::Cage;
 pub use coverage::{Coverage, TexelGrid};
-pub use faults::Faults;
-pub use faults::Shells;
-pub use fit::Fit;
-pub use fit::{Astray, uncovered};
+pub use faults::{Faults, Shells};
+pub use fit::{Astray, Fit, uncovered};
 pub use fit_normals::fit_normals;
 pub use maps::{BakeCounts, Baked, BakedMaps, MapKind, Maps, TexelStatus};
 pub use projection::{Correspondence, ProjectionRay};
@@ -43,11 +41,8 @@ pub use sights::SightLine;
 pub(crate) use sights::sphere_directions;
 pub use simplify::{DetailLevel, Simplified, SimplifyMethod, SimplifyOptions, levels, simplify};
 pub use texel_surface::{SurfacePoint, TexelSurface, UvLookup};
-pub use texels::bytes_of_bands;
-pub use texels::{BakeInput, BakeSettings, bake};
-pub use texture_lookup::texel_width;
-pub use texture_lookup::{LookupPoint, MappedNormal};
-pub use textured_mesh::{TexturedMesh, low_poly_mesh};
-pub use textured_mesh::{framed_low_poly_mesh, lacks_tangents};
+pub use texels::{BakeInput, BakeSettings, bake, bytes_of_bands};
+pub use texture_lookup::{LookupPoint, MappedNormal, texel_width};
+pub use textured_mesh::{TexturedMesh, framed_low_poly_mesh, lacks_tangents, low_poly_mesh};
 pub use unwrap::{UnwrapOptions, Unwrapped, unwrap};
 pub use verify::{ErrorMaps, MaterialError, NormalError, TexelChecks, Verifier};

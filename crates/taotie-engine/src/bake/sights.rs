@@ -297,7 +297,7 @@ struct Cell<'a> {
 }
 
 impl SeenCells {
-    /// Makes an empty memory for a mesh with this diagonal, model units.
+    /// Creates an empty cache for a mesh with this diagonal, model units.
     pub fn new(mesh: &Mesh, diagonal: f32) -> Self {
         let unknown = |count: usize| (0..count).map(|_| AtomicU8::new(0)).collect();
         let (mut large, mut count) = (Vec::new(), 0);

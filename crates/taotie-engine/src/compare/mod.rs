@@ -14,10 +14,8 @@ mod normals;
 pub use color::{ciede2000, color_difference};
 pub use field::{ColorMap, Field, Summary, heat};
 pub use flip::{PIXELS_PER_DEGREE, flip};
-pub use metrics::{SSIM_WINDOW, ssim_map};
-pub use metrics::{difference, psnr, rmse, ssim};
-pub use normals::stored_normals;
-pub use normals::{NormalEncoding, StoredNormals, angle_deg, angular_error};
+pub use metrics::{SSIM_WINDOW, difference, psnr, rmse, ssim, ssim_map};
+pub use normals::{NormalEncoding, StoredNormals, angle_deg, angular_error, stored_normals};
 
 use crate::error::{Error, Result};
 use crate::image::{Bitmap, Texels};

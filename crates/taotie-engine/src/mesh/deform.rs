@@ -224,7 +224,7 @@ impl Binding {
 }
 
 /// Returns the elements `which`; nothing for an absent array.
-fn gather<T: Copy>(from: &[T], which: &[usize]) -> Vec<T> {
+pub(crate) fn gather<T: Copy>(from: &[T], which: &[usize]) -> Vec<T> {
     if from.is_empty() { Vec::new() } else { which.iter().map(|i| from[*i]).collect() }
 }
 

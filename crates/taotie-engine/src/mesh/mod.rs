@@ -5,8 +5,9 @@ mod point;
 mod repair;
 
 pub use point::{Point, TangentFrame};
-pub(crate) use point::{Triangles, doubled_area, sample_area, sample_triangles, triangle_weights};
-pub(crate) use point::{blend, each};
+pub(crate) use point::{
+    Triangles, blend, doubled_area, each, sample_area, sample_triangles, triangle_weights,
+};
 pub use repair::{repair, with_flat_normals};
 
 use crate::error::{Error, Result};

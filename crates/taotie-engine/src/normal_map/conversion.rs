@@ -37,12 +37,13 @@ pub enum MapContent {
 
 /// A map to convert.
 ///
-/// ```no_run
+/// ```
+/// use taotie_engine::image::{Bitmap, Texels};
 /// use taotie_engine::normal_map::{MapContent, MapSource};
 /// use taotie_engine::scene::{GreenChannel, NormalSpace};
 ///
 /// let content = MapContent::Normals(NormalSpace::Tangent);
-/// let bitmap = taotie_io::read_bitmap("directx.png".as_ref())?;
+/// let bitmap = Bitmap::new(1, 1, 3, Texels::U8(vec![[128, 90, 240, 255]]))?;
 /// let source = MapSource { bitmap, content, green: GreenChannel::Down };
 /// # Ok::<(), taotie_engine::Error>(())
 /// ```

@@ -28,8 +28,10 @@ mod transforms;
 pub use conversion::{
     Conversion, ConversionOptions, MapContent, MapSource, convert_map, guessed_content, lay_out,
 };
-pub use storage::{CoveredNormals, store_codes, store_rgba};
-pub use storage::{Storage, Stored, green_turned, requantised, store_normals, store_unit_vectors};
+pub use storage::{
+    CoveredNormals, Storage, Stored, green_turned, requantised, store_codes, store_normals, store_rgba,
+    store_unit_vectors,
+};
 pub use transforms::{
     Heights, decoded_normals, object_from_tangent, tangent_from_height, tangent_from_height_on,
     tangent_from_object,

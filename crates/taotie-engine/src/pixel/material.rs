@@ -1,8 +1,8 @@
 //! The material at a point: the meaning of its texels, its sample in the terms of every model, and the parts of a
 //! surface that each reflectance model supports.
 
-use crate::math::{Lane, Vec3};
-use crate::scene::Material;
+use crate::math::{Lane, Vec3, scalar};
+use crate::scene::{Anisotropy, Material};
 use crate::shade::dfg::Dfg;
 use crate::shade::{self, MaterialSample, Shading, fresnel, ndf};
 
@@ -258,7 +258,7 @@ impl Model {
 }
 
 /// Returns true if the model has clearcoat, sheen and anisotropy.
-pub fn takes_layers(shading: Shading) -> bool {
+pub(crate) fn takes_layers(shading: Shading) -> bool {
     shading == Shading::Ggx
 }
 
@@ -324,6 +324,18 @@ pub fn height_derivative<L: Lane>(after: L, before: L, step: L) -> L {
 pub fn occluded<L: Lane>(occlusion: L, strength: L) -> L {
     let one = occlusion.lit(1.0);
     one + strength * (occlusion - one)
+}
+
+/// Returns the variance of a normal map's vectors within a pixel, if their x and y are multiplied by `scale`.
+#[inline(always)]
+pub fn mapped_variance<L: Lane>(variance: L, scale: L) -> L {
+    variance * (scale * scale)
+}
+
+/// Returns the cosine and sine of the material's own angle of anisotropy, at the 32-bit precision of files.
+pub fn own_turn(anisotropy: &Anisotropy) -> [f32; 2] {
+    let angle = f64::from(anisotropy.rotation as f32);
+    [scalar::cos(angle) as f32, scalar::sin(angle) as f32]
 }
 
 /// Returns the cosine and sine of the anisotropy's angle from the tangent: the material's angle, rotated by a texel's red

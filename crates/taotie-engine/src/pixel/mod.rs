@@ -6,7 +6,7 @@
 //!
 //! ```text
 //! Geometry, NormalInputs              -> Geometry::front_normal         -> Frame::new
-//! texels, factors                     -> MaterialValues
+//! Texel: texels, factors              -> MaterialValues
 //! MaterialUniforms, values, tables    -> MaterialPoint::new
 //! Frame, MaterialPoint, PointLayers   -> SurfacePoint
 //! Frame                               -> highlight, coat_highlight      where the environment is looked up
@@ -26,6 +26,7 @@ mod light;
 mod material;
 mod program;
 mod surface_point;
+mod texels;
 
 pub use geometry::{
     Frame, Geometry, MappedNormal, NormalInputs, NormalSource, anisotropy_direction, coat_normal,
@@ -35,13 +36,15 @@ pub use light::{
     Anisotropic, Cone, EnvironmentTexels, Falloff, Highlight, Incidence, LightSource, Place, Turn,
     coat_highlight, highlight,
 };
+pub(crate) use material::takes_layers;
 pub use material::{
     MaterialPoint, MaterialUniforms, MaterialValues, Model, anisotropy_turn, height_derivative, height_step,
-    is_cook_torrance, lobe_roughness, lobe_slope, log2_texels, occluded, takes_albedos, takes_compensation,
-    takes_layers, takes_roughness, turned_uv,
+    is_cook_torrance, lobe_roughness, lobe_slope, log2_texels, mapped_variance, occluded, own_turn,
+    takes_albedos, takes_compensation, takes_roughness, turned_uv,
 };
 pub use program::{
     AnisotropyInputs, CoatInputs, EnvironmentSource, IncidentLight, LayerInputs, NormalValues, PixelInputs,
     ShadedPixel, SheenInputs,
 };
 pub use surface_point::{Coat, PointLayers, Sheen, SurfacePoint, coat_albedo, sheen_albedo};
+pub use texels::{Texel, has_packed_occlusion};

@@ -14,20 +14,16 @@ mod region;
 mod silhouette;
 mod statistics;
 
-pub use close_up::{CloseUp, SurfaceSample};
-pub use close_up::{Footprint, edges};
-pub use distance::root_mean_square;
-pub use distance::{DistanceBounds, Source, distance_bounds, hausdorff};
+pub use close_up::{CloseUp, Footprint, SurfaceSample, edges};
+pub use distance::{DistanceBounds, Source, distance_bounds, hausdorff, root_mean_square};
 pub use mismatch::Mismatch;
-pub use overview::{ImageLook, Relook, Shown};
-pub use overview::{Overview, Picture, overview};
-pub use overview::{PixelDifferences, pixel_differences};
-pub use patch::{Patch, PatchQuantity, Window};
-pub use patch::{PatchView, most_missing, worst_patch};
+pub use overview::{
+    ImageLook, Overview, Picture, PixelDifferences, Relook, Shown, overview, pixel_differences,
+};
+pub use patch::{Patch, PatchQuantity, PatchView, Window, most_missing, worst_patch};
 pub use region::{Region, WorstRegions};
 pub use silhouette::{SilhouetteFigures, silhouettes};
-pub use statistics::share_interval;
-pub use statistics::{Estimate, Exceedance, Share};
+pub use statistics::{Estimate, Exceedance, Share, share_interval};
 
 use crate::bake::{LookupPoint, Scan, Visibility};
 use crate::compare::{angle_deg, color_difference};

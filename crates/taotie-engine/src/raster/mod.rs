@@ -16,8 +16,7 @@ pub use barycentric::{Barycentric, PerspectiveTriangle};
 pub(crate) use barycentric::{CornerNumbers, PlaneSetup, TRIANGLES};
 pub use bin::{Bins, Geometry, bin};
 pub use rasterize::{rasterize_layers, rasterize_opaque};
-pub use tile::{Faces, SamplePattern, TILE_PIXELS, Viewport};
-pub use tile::{Layer, Tile, TilePlane, TileSample};
+pub use tile::{Faces, Layer, SamplePattern, TILE_PIXELS, Tile, TilePlane, TileSample, Viewport};
 pub(crate) use tile::{NO_TRIANGLE, TILE_SIZE};
 
 /// Subpixel positions per pixel, along each axis.

@@ -4,8 +4,10 @@
 use super::lookups::{Lookups, UvSet};
 pub(super) use crate::math::{BATCH, Column};
 use crate::math::{MOST_LANES, Pack, Quads, Vec3};
+use crate::pixel::Texel;
 use crate::shade::dfg::Dfg;
 use crate::shade::environment::{EnvironmentLookup, LookupDirections};
+use std::slice::from_mut;
 
 /// Fragments of one draw between interpolation and film, those of a triangle together. Each stage has separate
 /// columns, which it fills for later stages. Entries from `len` onwards contain leftovers of packs, which only packs
@@ -66,7 +68,7 @@ pub(super) struct GeometryColumns {
 pub(super) struct TexelColumns {
     pub lookups: Lookups,
     /// Columns for the channels of textures that are not needed.
-    pub spare: [Column; 3],
+    pub spare: [Column; 4],
     /// The first triangle of the draw whose constants fill the columns without textures; none while the content is
     /// undefined.
     pub constants_of: Option<u32>,
@@ -75,7 +77,7 @@ pub(super) struct TexelColumns {
     /// Height derivatives in model units per uv unit; for `bump-printed`, the first is half the grey difference.
     pub dh_du: Column,
     pub dh_dv: Column,
-    /// The variance within a pixel that the normal map adds to α².
+    /// The variance of the normal map's vectors, if there is one.
     pub normal_variance: Column,
 }
 
@@ -92,6 +94,33 @@ pub(super) struct MaterialColumns {
     pub specular_color: Column3,
     /// The sum of the variances of curvature and normal map.
     pub variance: Column,
+}
+
+/// The columns that take the texels of materials, times their factors, those of a texture together.
+pub(super) fn texel_columns<'b>(
+    material: &'b mut MaterialColumns,
+    layers: &'b mut Layers,
+) -> [(Texel, &'b mut [Column]); 17] {
+    let [red, green] = &mut layers.anisotropy_texel;
+    [
+        (Texel::BaseColor, &mut material.tint[..]),
+        (Texel::Alpha, from_mut(&mut material.alpha)),
+        (Texel::Emissive, &mut material.emissive[..]),
+        (Texel::Metallic, from_mut(&mut material.metallic)),
+        (Texel::Roughness, from_mut(&mut material.roughness)),
+        (Texel::Occlusion, from_mut(&mut material.occlusion)),
+        (Texel::Specular, from_mut(&mut material.specular)),
+        (Texel::SpecularColor, &mut material.specular_color[..]),
+        (Texel::Clearcoat, from_mut(&mut layers.coat)),
+        (Texel::ClearcoatRoughness, from_mut(&mut layers.coat_roughness)),
+        (Texel::ClearcoatNormal, &mut layers.coat_map[..]),
+        (Texel::ClearcoatVariance, from_mut(&mut layers.coat_variance)),
+        (Texel::SheenColor, &mut layers.sheen_color[..]),
+        (Texel::SheenRoughness, from_mut(&mut layers.sheen_roughness)),
+        (Texel::Anisotropy, from_mut(&mut layers.anisotropy)),
+        (Texel::AnisotropyRed, from_mut(red)),
+        (Texel::AnisotropyGreen, from_mut(green)),
+    ]
 }
 
 /// The columns of [`crate::pixel::Frame`].
@@ -136,6 +165,8 @@ pub(super) struct Layers {
     pub coat_roughness: Column,
     /// The stored vector of the clearcoat's normal map.
     pub coat_map: Column3,
+    /// The variance of the vectors of that map, if there is one.
+    pub coat_variance: Column,
     /// The clearcoat's normal: unit, in world space.
     pub coat_n: Column3,
     pub coat_albedo: Column,
@@ -144,8 +175,8 @@ pub(super) struct Layers {
     pub sheen_albedo: Column,
     /// The strength of anisotropy.
     pub anisotropy: Column,
-    /// Cosine and sine of the angle from the tangent to the direction of anisotropy.
-    pub anisotropy_turn: [Column; 2],
+    /// Red and green of its texture, if there is one.
+    pub anisotropy_texel: [Column; 2],
     /// The direction of anisotropy: unit, in world space.
     pub anisotropy_direction: Column3,
 }
@@ -189,7 +220,7 @@ impl Batch {
             },
             texels: TexelColumns {
                 lookups: Lookups::default(),
-                spare: [ZERO; 3],
+                spare: [ZERO; 4],
                 constants_of: None,
                 map: ZERO3,
                 dh_du: ZERO,
@@ -211,13 +242,14 @@ impl Batch {
                 coat: ZERO,
                 coat_roughness: ZERO,
                 coat_map: ZERO3,
+                coat_variance: ZERO,
                 coat_n: ZERO3,
                 coat_albedo: ZERO,
                 sheen_color: ZERO3,
                 sheen_roughness: ZERO,
                 sheen_albedo: ZERO,
                 anisotropy: ZERO,
-                anisotropy_turn: [ZERO; 2],
+                anisotropy_texel: [ZERO; 2],
                 anisotropy_direction: ZERO3,
             },
             frame: FrameColumns { n: ZERO3, smooth: ZERO3 },

@@ -1,15 +1,16 @@
 //! Computes fragments from interpolated vertices and textures.
 
-use super::batch::{BATCH, Batch, Column, Points, TexelColumns, get3, load};
+use super::batch::{BATCH, Batch, Column, Lanes, Points, TexelColumns, get3, load, store3, texel_columns};
 use super::camera::Eye;
 use super::interpolate::Interpolation;
-use super::lookups::{Coordinates, Lookups, TextureUse};
+use super::lookups::{Coordinates, TextureUse};
 use super::tree::SmoothTriangle;
-use crate::math::{Aligned, Mask, Pack, Vec3, dispatch_pack, poly, scalar};
-use crate::pixel::{NormalSource, anisotropy_turn, height_derivative, height_step, occluded};
-use crate::scene::{Clearcoat, HeightMap, TextureRef};
+use crate::math::{Aligned, Mask, Pack, Vec3, dispatch_pack, poly};
+use crate::pixel::{
+    NormalSource, Texel, has_packed_occlusion, height_derivative, height_step, mapped_variance, occluded,
+};
+use crate::scene::{HeightMap, NormalMap, TextureRef};
 use crate::shade::SubPixelVariance;
-use fearless_simd::Level;
 
 impl Interpolation<'_> {
     /// Computes fragments of points with known runs and weights: interpolates, and reads textures.
@@ -18,9 +19,8 @@ impl Interpolation<'_> {
         batch.texels.lookups.forget();
         self.normal_inputs(batch);
         let fresh = batch.texels.constants_of != Some(self.draw.first_triangle);
-        self.colors_and_widths(batch, fresh);
-        self.specular(batch, fresh);
-        self.layers(batch);
+        self.read_texels(batch, fresh);
+        dispatch_pack!(self.level, P, token => self.finish::<P>(token, batch));
         batch.texels.constants_of = Some(self.draw.first_triangle);
     }
 
@@ -42,22 +42,17 @@ impl Interpolation<'_> {
         origins
     }
 
-    /// Fills in the texture data for the method of the shading normal, and the subpixel detail of the surface.
+    /// Fills in the texture data for the method of the shading normal.
     fn normal_inputs(&self, batch: &mut Batch) {
         let len = batch.len;
         match &self.draw.normal_source {
-            NormalSource::Facet | NormalSource::Smooth => batch.texels.normal_variance.fill(0.0),
+            NormalSource::Facet | NormalSource::Smooth => {}
             NormalSource::ObjectMap(map) | NormalSource::TangentMap(map) => {
                 let TexelColumns { map: [x, y, z], normal_variance, lookups, .. } = &mut batch.texels;
                 let at = Coordinates { sets: &batch.points.uv_sets, len };
                 lookups.read(self.texture(&map.texture), at, [x, y, z, normal_variance]);
-                let squared = if self.specular_aa { map.scale * map.scale } else { 0.0 };
-                if squared != 1.0 {
-                    scale(normal_variance, squared, len);
-                }
             }
             NormalSource::Bump(map, factor) => {
-                batch.texels.normal_variance.fill(0.0);
                 [batch.texels.dh_du, batch.texels.dh_dv] = self.height_derivatives(map, batch);
                 scale(&mut batch.texels.dh_du, *factor, len);
                 scale(&mut batch.texels.dh_dv, *factor, len);
@@ -65,14 +60,10 @@ impl Interpolation<'_> {
             NormalSource::BumpPrinted(map, _) => {
                 // The paper's g: half the difference between the grey levels (0 to 255) of the two neighbours along
                 // u.
-                batch.texels.normal_variance.fill(0.0);
                 let width = self.scene.textures()[map.texture.texture].width() as f32;
                 [batch.texels.dh_du, _] = self.height_derivatives(map, batch);
                 scale(&mut batch.texels.dh_du, 255.0 / width, len);
             }
-        }
-        for i in 0..len {
-            batch.material.variance[i] = batch.geometry.curvature[i] + batch.texels.normal_variance[i];
         }
     }
 
@@ -104,208 +95,114 @@ impl Interpolation<'_> {
         derivatives
     }
 
-    /// Fills base colour, opacity, roughness, metalness, occlusion and emission.
-    fn colors_and_widths(&self, batch: &mut Batch, fresh: bool) {
+    /// Reads the texels of the material's values, and multiplies them by their factors. Without a texture, a column
+    /// contains the factor; it is filled if `fresh`, or if [`Self::finish`] has changed it.
+    fn read_texels(&self, batch: &mut Batch, fresh: bool) {
         let (material, len) = (self.draw.material, batch.len);
-        let colored = !self.draw.mesh.colors().is_empty();
-        let TexelColumns { lookups, spare: [spare, spare2, spare3], .. } = &mut batch.texels;
-        let mut reader = TextureReader {
-            interpolation: self,
-            lookups,
-            at: Coordinates { sets: &batch.points.uv_sets, len },
-            fresh: fresh || colored,
-        };
-        let [r, g, b] = &mut batch.material.tint;
-        let factors = [1.0, 1.0, 1.0, material.base_color[3]];
-        reader.read(&material.base_color_texture, [r, g, b, &mut batch.material.alpha], factors);
-        reader.fresh = fresh;
-        let ([r, g, b], [red, green, blue]) = (&mut batch.material.emissive, material.emissive);
-        reader.read(&material.emissive_texture, [r, g, b, spare], [red, green, blue, 1.0]);
-        let packed = [
-            &mut batch.material.occlusion,
-            &mut batch.material.roughness,
-            &mut batch.material.metallic,
-            spare,
-        ];
-        let factors = [1.0, material.roughness, material.metallic, 1.0];
-        reader.read(&material.metallic_roughness_texture, packed, factors);
-        if material.metallic_roughness_texture.is_none() {
-            // Widened by subpixel detail.
-            batch.material.roughness.fill(material.roughness);
-        }
-        // Files often pack occlusion into the red channel of the same texture.
-        if material.occlusion_texture != material.metallic_roughness_texture {
-            reader.fresh = true;
-            reader.read(
-                &material.occlusion_texture,
-                [&mut batch.material.occlusion, spare, spare2, spare3],
-                [1.0; 4],
-            );
-        }
-        if colored {
-            for (column, color) in
-                batch.material.tint.iter_mut().chain([&mut batch.material.alpha]).zip(&batch.points.color)
-            {
-                multiply(column, color, len);
+        let (packed, colored) = (has_packed_occlusion(material), !self.draw.mesh.colors().is_empty());
+        let at = Coordinates { sets: &batch.points.uv_sets, len };
+        let TexelColumns { lookups, spare, .. } = &mut batch.texels;
+        let mut all = texel_columns(&mut batch.material, &mut batch.layers);
+        for read in all.chunk_by_mut(|a, b| a.0.role(packed) == b.0.role(packed)) {
+            let texture = read[0].0.role(packed).and_then(|role| role.of(material));
+            if let Some(texture) = texture {
+                let mut channels = spare.each_mut();
+                for (texel, columns) in read.iter_mut() {
+                    let places = channels[texel.first_channel()..].iter_mut();
+                    for (place, column) in places.zip(columns.iter_mut()) {
+                        *place = column;
+                    }
+                }
+                lookups.read(self.texture(texture), at, channels);
             }
-        }
-        if material.occlusion_texture.is_some() && material.occlusion_strength != 1.0 {
-            for occlusion in &mut batch.material.occlusion[..len] {
-                *occlusion = occluded(*occlusion, material.occlusion_strength);
-            }
-        }
-        let roughness = &mut batch.material.roughness;
-        let (curvature, normal_variance) = (&batch.geometry.curvature, &batch.texels.normal_variance);
-        if self.takes_roughness {
-            Unseen { curvature, normal_variance, len }.widen(self.level, roughness);
-        }
-    }
-
-    /// Fills strength and colour of a dielectric's reflection.
-    fn specular(&self, batch: &mut Batch, fresh: bool) {
-        let (specular, len) = (&self.draw.material.specular, batch.len);
-        let TexelColumns { lookups, spare: [spare, spare2, spare3], .. } = &mut batch.texels;
-        let mut reader = TextureReader {
-            interpolation: self,
-            lookups,
-            at: Coordinates { sets: &batch.points.uv_sets, len },
-            fresh,
-        };
-        let factors = [1.0, 1.0, 1.0, specular.factor];
-        reader.read(&specular.factor_texture, [spare, spare2, spare3, &mut batch.material.specular], factors);
-        let ([r, g, b], [red, green, blue]) = (&mut batch.material.specular_color, specular.color);
-        reader.read(&specular.color_texture, [r, g, b, spare], [red, green, blue, 1.0]);
-    }
-
-    fn layers(&self, batch: &mut Batch) {
-        let (material, len) = (self.draw.material, batch.len);
-        if let Some(coat) = &material.clearcoat {
-            self.coat(coat, batch);
-        }
-        let TexelColumns { lookups, spare: [spare, spare2, spare3], .. } = &mut batch.texels;
-        let layers = &mut batch.layers;
-        let mut reader = TextureReader {
-            interpolation: self,
-            lookups,
-            at: Coordinates { sets: &batch.points.uv_sets, len },
-            fresh: true,
-        };
-        if let Some(sheen) = &material.sheen {
-            let ([r, g, b], [red, green, blue]) = (&mut layers.sheen_color, sheen.color);
-            reader.read(&sheen.color_texture, [r, g, b, spare], [red, green, blue, 1.0]);
-            let (roughness, factors) = (&mut layers.sheen_roughness, [1.0, 1.0, 1.0, sheen.roughness]);
-            reader.read(&sheen.roughness_texture, [spare, spare2, spare3, roughness], factors);
-        }
-        if let Some(anisotropy) = &material.anisotropy {
-            // At the 32-bit precision of files.
-            let angle = f64::from(anisotropy.rotation as f32);
-            let (sin, cos) = (scalar::sin(angle) as f32, scalar::cos(angle) as f32);
-            let has_texture = anisotropy.texture.is_some();
-            let factors = [1.0, 1.0, anisotropy.strength, 1.0];
-            reader.read(&anisotropy.texture, [spare, spare2, &mut layers.anisotropy, spare3], factors);
-            for i in 0..len {
-                let turn =
-                    if has_texture { anisotropy_turn([cos, sin], [spare[i], spare2[i]]) } else { [cos, sin] };
-                for (column, value) in layers.anisotropy_turn.iter_mut().zip(turn) {
-                    column[i] = value;
+            for (texel, columns) in read {
+                let is_changed = match texel {
+                    Texel::BaseColor | Texel::Alpha => colored,
+                    Texel::Roughness | Texel::ClearcoatRoughness => true,
+                    _ => false,
+                };
+                let factors = texel.factor(material).into_iter().flatten();
+                for (column, factor) in columns.iter_mut().zip(factors) {
+                    match texture {
+                        Some(_) if factor != 1.0 => scale(column, factor, len),
+                        None if fresh || is_changed => column.fill(factor),
+                        _ => {}
+                    }
                 }
             }
         }
+    }
+
+    /// Turns texels into values: adds vertex colours, the strength of occlusion and subpixel detail.
+    #[inline(always)]
+    fn finish<P: Pack>(&self, token: P::Token, batch: &mut Batch) {
+        let material = self.draw.material;
+        let colored = !self.draw.mesh.colors().is_empty();
+        let is_occluded = material.occlusion_texture.is_some() && material.occlusion_strength != 1.0;
+        for i in batch.packs::<P>() {
+            if colored {
+                let at: Lanes<'_, P> = batch.lanes(token, i);
+                let [r, g, b, a] = &batch.points.color;
+                let color = Vec3::new(at.load(r), at.load(g), at.load(b));
+                let tint = at.load3(&batch.material.tint).mul_elements(color);
+                let alpha = at.load(&batch.material.alpha) * at.load(a);
+                store3(tint, &mut batch.material.tint, i);
+                alpha.store(&mut batch.material.alpha[i..]);
+            }
+            if is_occluded {
+                let at: Lanes<'_, P> = batch.lanes(token, i);
+                let strength = at.splat(material.occlusion_strength);
+                let occlusion = occluded(at.load(&batch.material.occlusion), strength);
+                occlusion.store(&mut batch.material.occlusion[i..]);
+            }
+            self.subpixel_detail::<P>(token, batch, i);
+        }
+    }
+
+    /// Fills the variance of normals, and widens roughness by it.
+    #[inline(always)]
+    fn subpixel_detail<P: Pack>(&self, token: P::Token, batch: &mut Batch, i: usize) {
+        let map = self.draw.normal_source.normal_map();
+        let hidden = self.hidden::<P>(batch.lanes(token, i), map, &batch.texels.normal_variance);
+        hidden.variance().store(&mut batch.material.variance[i..]);
+        if self.takes_roughness {
+            widen(token, hidden, &mut batch.material.roughness, i);
+        }
+        if let Some(coat) = &self.draw.material.clearcoat {
+            let map = coat.normal.as_ref();
+            let hidden = self.hidden::<P>(batch.lanes(token, i), map, &batch.layers.coat_variance);
+            widen(token, hidden, &mut batch.layers.coat_roughness, i);
+        }
+    }
+
+    /// The subpixel detail of the surface: its curvature and the `variance` of a normal map.
+    #[inline(always)]
+    fn hidden<P: Pack>(
+        &self,
+        at: Lanes<'_, P>,
+        map: Option<&NormalMap>,
+        variance: &Column,
+    ) -> SubPixelVariance<P> {
+        let normal_variance = match map {
+            Some(map) if self.specular_aa => mapped_variance(at.load(variance), at.splat(map.scale)),
+            _ => at.splat(0.0),
+        };
+        SubPixelVariance { curvature: at.load(&at.batch.geometry.curvature), normal_variance }
     }
 
     fn texture<'t>(&'t self, texture: &'t TextureRef) -> TextureUse<'t> {
         TextureUse::new(self.level, self.scene, texture)
     }
-
-    fn coat(&self, coat: &Clearcoat, batch: &mut Batch) {
-        let len = batch.len;
-        let TexelColumns { lookups, spare: [spare, spare2, spare3], .. } = &mut batch.texels;
-        let (layers, curvature) = (&mut batch.layers, &batch.geometry.curvature);
-        let mut reader = TextureReader {
-            interpolation: self,
-            lookups,
-            at: Coordinates { sets: &batch.points.uv_sets, len },
-            fresh: true,
-        };
-        let factors = [coat.factor, 1.0, 1.0, 1.0];
-        reader.read(&coat.factor_texture, [&mut layers.coat, spare, spare2, spare3], factors);
-        let factors = [1.0, coat.roughness, 1.0, 1.0];
-        reader.read(&coat.roughness_texture, [spare, &mut layers.coat_roughness, spare2, spare3], factors);
-        let mut normal_variance = Column::ZERO;
-        if let Some(map) = &coat.normal {
-            let [x, y, z] = &mut layers.coat_map;
-            let squared = if self.specular_aa { map.scale * map.scale } else { 0.0 };
-            reader.read(&Some(map.texture), [x, y, z, &mut normal_variance], [1.0, 1.0, 1.0, squared]);
-        }
-        let roughness = &mut layers.coat_roughness;
-        Unseen { curvature, normal_variance: &normal_variance, len }.widen(self.level, roughness);
-    }
 }
 
-/// Reads the textures of a batch.
-struct TextureReader<'b, 'i> {
-    interpolation: &'i Interpolation<'i>,
-    lookups: &'b mut Lookups,
-    at: Coordinates<'b>,
-    /// `true` if columns without textures may contain values other than their factors.
-    fresh: bool,
-}
-
-impl TextureReader<'_, '_> {
-    /// A texture's linear values times `factors`; a missing texture is white.
-    fn read(&mut self, texture: &Option<TextureRef>, mut out: [&mut Column; 4], factors: [f32; 4]) {
-        match texture {
-            Some(texture) => {
-                let used = self.interpolation.texture(texture);
-                self.lookups.read(used, self.at, out.each_mut().map(|column| &mut **column));
-                for (column, factor) in out.into_iter().zip(factors).filter(|(_, factor)| *factor != 1.0) {
-                    scale(column, factor, self.at.len);
-                }
-            }
-            None if self.fresh => {
-                for (column, factor) in out.into_iter().zip(factors) {
-                    column.fill(factor);
-                }
-            }
-            None => {}
-        }
-    }
-}
-
-/// The subpixel detail of the first `len` fragments: the variance of the curvature of their surface and of its normal
-/// map.
-struct Unseen<'b> {
-    curvature: &'b Column,
-    normal_variance: &'b Column,
-    len: usize,
-}
-
-impl Unseen<'_> {
-    /// Widens roughness by subpixel detail.
-    fn widen(&self, level: Level, roughness: &mut Column) {
-        dispatch_pack!(level, P, token => self.widen_packs::<P>(token, roughness));
-    }
-
-    #[inline(always)]
-    fn widen_packs<P: Pack>(&self, token: P::Token, roughness: &mut Column) {
-        let zero = P::splat(token, 0.0);
-        for i in (0..self.len).step_by(P::LANES) {
-            let curvature = load(token, self.curvature, i);
-            let normal_variance = load(token, self.normal_variance, i);
-            let hidden: SubPixelVariance<P> = SubPixelVariance { curvature, normal_variance };
-            if zero.lt(hidden.variance()).any() {
-                hidden.widened(load(token, roughness, i)).store(&mut roughness[i..]);
-            }
-        }
+/// Widens the roughness of the pack from entry `i` onwards, if any of its fragments has subpixel detail.
+#[inline(always)]
+fn widen<P: Pack>(token: P::Token, hidden: SubPixelVariance<P>, roughness: &mut Column, i: usize) {
+    if P::splat(token, 0.0).lt(hidden.variance()).any() {
+        hidden.widened(load(token, roughness, i)).store(&mut roughness[i..]);
     }
 }
 
 fn scale(column: &mut Column, factor: f32, len: usize) {
     column[..len].iter_mut().for_each(|value| *value *= factor);
-}
-
-fn multiply(column: &mut Column, values: &Column, len: usize) {
-    for (out, value) in column[..len].iter_mut().zip(values.iter()) {
-        *out *= value;
-    }
 }

@@ -32,8 +32,7 @@ pub use draw::Surface;
 pub use frame::{Aovs, Frame};
 #[doc(hidden)]
 pub use memory::{HeldPixels, framing_bytes, image_bytes, pixel_bytes, scene_bytes};
-pub use prepare::foreseen_warnings;
-pub use prepare::{PRINTED_BUMP, Prepared};
+pub use prepare::{PRINTED_BUMP, Prepared, foreseen_warnings};
 pub use reference::{EnvironmentSampling, NormalMapping, ReferenceSettings, reference};
 pub use renderer::{Pass, Renderer, render};
 pub use settings::{

@@ -7,10 +7,11 @@ use super::settings::{GrazingNormals, RenderSettings};
 use crate::math::{Pack, Vec3, Words, dispatch_pack};
 use crate::pixel::{
     Anisotropic, Coat, EnvironmentTexels, Frame, Geometry, MappedNormal, MaterialPoint, MaterialUniforms,
-    MaterialValues, Model, NormalInputs, PointLayers, Sheen, SurfacePoint, anisotropy_direction, coat_albedo,
-    coat_normal, is_cook_torrance, lobe_slope, sheen_albedo, takes_albedos, takes_compensation, takes_layers,
+    MaterialValues, Model, NormalInputs, PointLayers, Sheen, SurfacePoint, anisotropy_direction,
+    anisotropy_turn, coat_albedo, coat_normal, is_cook_torrance, lobe_slope, own_turn, sheen_albedo,
+    takes_albedos, takes_compensation, takes_layers,
 };
-use crate::scene::{Material, NormalMap};
+use crate::scene::{Anisotropy, Material, NormalMap};
 use crate::shade::dfg::{self, Dfg, TablePosition};
 use crate::shade::{AnisotropicLobe, Energy, Shading};
 use fearless_simd::Level;
@@ -143,6 +144,7 @@ pub(super) fn shade_normals(level: Level, draw: &Draw<'_>, grazing: GrazingNorma
 #[inline(always)]
 fn all_packs<P: Pack>(token: P::Token, draw: &Draw<'_>, grazing: GrazingNormals, batch: &mut Batch) {
     let method = draw.normal_source.method();
+    let anisotropy = draw.material.anisotropy.as_ref().map(|anisotropy| (anisotropy, own_turn(anisotropy)));
     let softened = grazing == GrazingNormals::Soften && method.is_mapped();
     for i in batch.packs::<P>() {
         let at: Lanes<'_, P> = batch.lanes(token, i);
@@ -151,26 +153,28 @@ fn all_packs<P: Pack>(token: P::Token, draw: &Draw<'_>, grazing: GrazingNormals,
         let frame = Frame::new(&geometry, front, side(at, draw), softened);
         store3(frame.n, &mut batch.frame.n, i);
         store3(frame.smooth, &mut batch.frame.smooth, i);
-        shade_layers::<P>(token, draw, batch, i);
+        if draw.material.clearcoat.is_some() {
+            let at: Lanes<'_, P> = batch.lanes(token, i);
+            let n = coat_normal(mapped_coat(at, &frame, draw), &frame);
+            store3(n, &mut batch.layers.coat_n, i);
+        }
+        if let Some((anisotropy, own)) = anisotropy {
+            let direction = turned_tangent::<P>(batch.lanes(token, i), anisotropy, own);
+            store3(direction, &mut batch.layers.anisotropy_direction, i);
+        }
     }
 }
 
-/// The clearcoat's normal, and the direction of anisotropy, once `batch.frame.n` and `batch.frame.smooth` are filled.
+/// The direction of anisotropy, once `batch.frame.n` is filled; `own` is the material's turn.
 #[inline(always)]
-fn shade_layers<P: Pack>(token: P::Token, draw: &Draw<'_>, batch: &mut Batch, i: usize) {
-    if draw.material.clearcoat.is_some() {
-        let at: Lanes<'_, P> = batch.lanes(token, i);
-        let frame = at.frame();
-        let n = coat_normal(mapped_coat(at, &frame, draw), &frame);
-        store3(n, &mut batch.layers.coat_n, i);
-    }
-    if draw.material.anisotropy.is_some() {
-        let at: Lanes<'_, P> = batch.lanes(token, i);
-        let [cos, sin] = &batch.layers.anisotropy_turn;
-        let turn = [at.load(cos), at.load(sin)];
-        let direction = anisotropy_direction(&at.geometry(), at.load3(&batch.frame.n), turn);
-        store3(direction, &mut batch.layers.anisotropy_direction, i);
-    }
+fn turned_tangent<P: Pack>(at: Lanes<'_, P>, anisotropy: &Anisotropy, own: [f32; 2]) -> Vec3<P> {
+    let own = own.map(|part| at.splat(part));
+    let [red, green] = &at.batch.layers.anisotropy_texel;
+    let turn = match anisotropy.texture {
+        Some(_) => anisotropy_turn(own, [at.load(red), at.load(green)]),
+        None => own,
+    };
+    anisotropy_direction(&at.geometry(), at.load3(&at.batch.frame.n), turn)
 }
 
 /// The clearcoat's normal on the visible side, before it is turned towards the viewer.

@@ -2,23 +2,30 @@
 //!
 //! The check covers a whole material: it can be shaded if its textures exist, and its factors are in range.
 
-use super::{AlphaMode, Anisotropy, Clearcoat, Light, Material, Sheen, Specular, TextureRole, UvTransform};
+use super::{AlphaMode, Anisotropy, Clearcoat, Light, Material, Sheen, TextureRole, UvTransform};
 
 /// The value of a factor.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[serde(untagged)]
 pub enum FactorValue {
     /// A number.
     Number(f32),
     /// Linear RGB.
     Color([f32; 3]),
-    /// Radians.
-    Angle(f64),
+    /// Radians; serialised in degrees.
+    Angle(#[serde(serialize_with = "degrees")] f64),
+}
+
+fn degrees<S: serde::Serializer>(angle: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_f64(angle.to_degrees())
 }
 
 /// A factor of a layer.
 pub struct Factor {
     /// The name in messages.
     pub name: &'static str,
+    /// The name of its field, as in reports.
+    pub field: &'static str,
     /// The member of the extension's JSON.
     pub member: &'static str,
     /// The largest value that glTF allows; the smallest is 0. Angles have no bounds.
@@ -31,20 +38,51 @@ pub struct Factor {
 
 /// A layer of a material.
 pub struct Layer {
+    /// The name in messages.
+    pub name: &'static str,
     /// The extension of glTF.
     pub extension: &'static str,
     /// Adds the layer with the values that apply if the JSON lacks their members, without textures.
     pub add: fn(&mut Material),
-    /// Removes the layer.
-    pub remove: fn(&mut Material),
-    /// Returns true if the material has the layer.
-    pub is_present: fn(&Material) -> bool,
+    /// Copies the layer with its textures, or its absence, from the first material to the second.
+    pub copy: fn(&Material, &mut Material),
     /// Returns true if the layer changes how the surface looks; otherwise readers omit it.
     pub is_visible: fn(&Material) -> bool,
     /// Its factors; if the first makes the layer invisible, readers omit it.
     pub factors: &'static [Factor],
     /// Its textures.
     pub textures: &'static [TextureRole],
+}
+
+impl Layer {
+    /// Returns the name in reports, such as `clearcoat`: the extension without its prefix.
+    pub fn key(&self) -> &'static str {
+        self.extension.trim_start_matches("KHR_materials_")
+    }
+
+    /// Removes the layer.
+    pub fn remove(&self, material: &mut Material) {
+        (self.copy)(&Material::default(), material);
+    }
+
+    /// Returns true if the material has the layer.
+    pub fn is_present(&self, material: &Material) -> bool {
+        let mut only = Material::default();
+        (self.copy)(material, &mut only);
+        only != Material::default()
+    }
+
+    /// Returns true if a material may lack the layer; each has a specular strength.
+    pub fn is_optional(&self) -> bool {
+        self.factors.iter().all(|factor| (factor.get)(&Material::default()).is_none())
+    }
+
+    /// Returns true if the layer has a direction, which follows the uvs.
+    pub fn has_direction(&self) -> bool {
+        let mut material = Material::default();
+        (self.add)(&mut material);
+        material.has_direction()
+    }
 }
 
 /// The layers, in the order in which they are written.
@@ -55,6 +93,7 @@ macro_rules! factor {
     (specular.$field:ident, $name:literal, $member:literal, $kind:ident, $most:expr) => {
         Factor {
             name: $name,
+            field: stringify!($field),
             member: $member,
             most: $most,
             get: |material| Some(FactorValue::$kind(material.specular.$field)),
@@ -68,6 +107,7 @@ macro_rules! factor {
     ($layer:ident.$field:ident, $name:literal, $member:literal, $kind:ident, $most:expr) => {
         Factor {
             name: $name,
+            field: stringify!($field),
             member: $member,
             most: $most,
             get: |material| material.$layer.as_ref().map(|layer| FactorValue::$kind(layer.$field)),
@@ -81,10 +121,10 @@ macro_rules! factor {
 }
 
 const SPECULAR: Layer = Layer {
+    name: "specular strength",
     extension: "KHR_materials_specular",
     add: |_| {},
-    remove: |m| m.specular = Specular::default(),
-    is_present: |m| m.specular != Specular::default(),
+    copy: |from, to| to.specular = from.specular,
     is_visible: |_| true,
     factors: &[
         factor!(specular.factor, "specular factor", "specularFactor", Number, 1.0),
@@ -94,10 +134,10 @@ const SPECULAR: Layer = Layer {
 };
 
 const CLEARCOAT: Layer = Layer {
+    name: "clearcoat",
     extension: "KHR_materials_clearcoat",
     add: |m| m.clearcoat = Some(Clearcoat::default()),
-    remove: |m| m.clearcoat = None,
-    is_present: |m| m.clearcoat.is_some(),
+    copy: |from, to| to.clearcoat = from.clearcoat,
     is_visible: |m| m.clearcoat.is_some_and(|coat| coat.factor > 0.0),
     factors: &[
         factor!(clearcoat.factor, "clearcoat factor", "clearcoatFactor", Number, 1.0),
@@ -107,10 +147,10 @@ const CLEARCOAT: Layer = Layer {
 };
 
 const ANISOTROPY: Layer = Layer {
+    name: "anisotropy",
     extension: "KHR_materials_anisotropy",
     add: |m| m.anisotropy = Some(Anisotropy::default()),
-    remove: |m| m.anisotropy = None,
-    is_present: |m| m.anisotropy.is_some(),
+    copy: |from, to| to.anisotropy = from.anisotropy,
     is_visible: |m| m.anisotropy.is_some_and(|anisotropy| anisotropy.strength > 0.0),
     factors: &[
         factor!(anisotropy.strength, "anisotropy strength", "anisotropyStrength", Number, 1.0),
@@ -120,10 +160,10 @@ const ANISOTROPY: Layer = Layer {
 };
 
 const SHEEN: Layer = Layer {
+    name: "sheen",
     extension: "KHR_materials_sheen",
     add: |m| m.sheen = Some(Sheen::default()),
-    remove: |m| m.sheen = None,
-    is_present: |m| m.sheen.is_some(),
+    copy: |from, to| to.sheen = from.sheen,
     is_visible: |m| m.sheen.is_some_and(|sheen| sheen.color != [0.0; 3]),
     factors: &[
         factor!(sheen.color, "sheen colour", "sheenColorFactor", Color, 1.0),
@@ -156,6 +196,11 @@ impl Material {
         within(&[("ior", self.ior)], "0, or at least 1", |v| v == 0.0 || (1.0..=f32::MAX).contains(&v))?;
         let slope = self.classic.slope.unwrap_or(1.0);
         within(&[("slope", slope)], "above 0", |v| v > 0.0 && v.is_finite())
+    }
+
+    /// Returns true if a layer has a direction, which follows the tangents.
+    pub fn has_direction(&self) -> bool {
+        self.layer_factors().any(|(_, value)| matches!(value, FactorValue::Angle(_)))
     }
 
     fn fractions(&self) -> Vec<NamedNumber> {
@@ -203,8 +248,8 @@ impl Material {
     }
 
     fn numbers(&self) -> Vec<NamedNumber> {
-        let coat = self.clearcoat.iter().filter_map(|coat| coat.normal.as_ref());
-        let maps = self.normal.iter().chain(coat).map(|map| ("normal scale", map.scale));
+        let maps = TextureRole::ALL.into_iter().filter_map(|role| role.normal_map(self));
+        let maps = maps.map(|map| ("normal scale", map.scale));
         let heights = self.height.iter().map(|map| ("height scale", map.scale));
         maps.chain(heights).collect()
     }
@@ -243,7 +288,7 @@ mod tests {
                 let is_plain = role.place(&mut material).is_some();
                 assert!(is_plain != (*role == TextureRole::ClearcoatNormal), "{role:?}");
             }
-            (layer.remove)(&mut material);
+            layer.remove(&mut material);
             assert_eq!(material, Material::default(), "{}", layer.extension);
         }
     }

@@ -15,9 +15,8 @@ pub use layers::{Factor, FactorValue, LAYERS, Layer};
 pub use light::{Falloff, Light, LightKind, from_view, three_point_rig};
 pub use material::{
     AlphaMode, Anisotropy, Classic, Clearcoat, GreenChannel, HeightMap, Material, NormalMap, NormalSpace,
-    Sheen, Specular, TextureRef, UvTransform,
+    PRESETS, Preset, Sheen, Specular, TextureRef, UvTransform, preset,
 };
-pub use material::{PRESETS, Preset, preset};
 pub use texture_role::TextureRole;
 
 use crate::error::{Error, Result};

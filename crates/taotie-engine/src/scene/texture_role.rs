@@ -1,6 +1,6 @@
 //! The textures of a material by their role: one table for reading, writing, inspection and shaders.
 
-use super::{Material, TextureRef};
+use super::{Material, NormalMap, TextureRef};
 use crate::image::Encoding;
 
 /// The role of a texture in a material.
@@ -168,12 +168,20 @@ impl TextureRole {
             Self::SpecularColor => material.specular.color_texture.as_ref(),
             Self::Clearcoat => coat?.factor_texture.as_ref(),
             Self::ClearcoatRoughness => coat?.roughness_texture.as_ref(),
-            Self::ClearcoatNormal => coat?.normal.as_ref().map(|map| &map.texture),
             Self::Anisotropy => material.anisotropy.as_ref()?.texture.as_ref(),
             Self::SheenColor => sheen?.color_texture.as_ref(),
             Self::SheenRoughness => sheen?.roughness_texture.as_ref(),
-            Self::Normal => material.normal.as_ref().map(|map| &map.texture),
+            Self::Normal | Self::ClearcoatNormal => self.normal_map(material).map(|map| &map.texture),
             Self::Height => material.height.as_ref().map(|map| &map.texture),
+        }
+    }
+
+    /// Returns the normal map of a material in this role.
+    pub fn normal_map(self, material: &Material) -> Option<&NormalMap> {
+        match self {
+            Self::Normal => material.normal.as_ref(),
+            Self::ClearcoatNormal => material.clearcoat.as_ref()?.normal.as_ref(),
+            _ => None,
         }
     }
 

@@ -8,47 +8,6 @@ use crate::math::quadrature::nodes;
 use crate::math::{Vec3, scalar};
 use std::f64::consts::PI;
 
-/// Ends of intervals of [0, 1], increasingly fine towards 0, where lobes are.
-fn ladder() -> Vec<f64> {
-    let mut ends = vec![0.0];
-    ends.extend((1..=15).rev().map(|i| 1.0 / f64::from(1u32 << i)));
-    ends.extend([0.625, 0.75, 0.875, 1.0]);
-    ends
-}
-
-/// Ends of intervals of the polar angle from 0 to π/2, increasingly fine towards 0 where lobes are, including π/4.
-pub fn polar_ends() -> Vec<f64> {
-    ladder().into_iter().map(|end| end * PI / 2.0).collect()
-}
-
-/// ∫ f(h) dh over the hemisphere of directions about z, with `fineness` nodes in each of the [`polar_ends`] and 16
-/// times as many around.
-pub fn over_hemisphere(fineness: usize, f: impl FnMut(Vec3<f64>) -> Vec3<f64>) -> Vec3<f64> {
-    over_part(fineness, |_| PI / 2.0, f)
-}
-
-/// Like [`over_hemisphere`], only to the polar angle `end` of cos φ, so that no step of f is between nodes.
-pub(super) fn over_part(
-    fineness: usize,
-    end: impl Fn(f64) -> f64,
-    mut f: impl FnMut(Vec3<f64>) -> Vec3<f64>,
-) -> Vec3<f64> {
-    let rule = nodes(fineness, &ladder());
-    let around = 16 * fineness;
-    let step = 2.0 * PI / around as f64;
-    let mut total = Vec3::splat(0.0);
-    for i in 0..around {
-        let phi = step * (i as f64 + 0.5);
-        let (sin_phi, cos_phi) = (scalar::sin(phi), scalar::cos(phi));
-        let end = end(cos_phi);
-        for (share, weight) in &rule {
-            let (sin, cos) = (scalar::sin(share * end), scalar::cos(share * end));
-            total += f(Vec3::new(sin * cos_phi, sin * sin_phi, cos)) * (weight * end * sin * step);
-        }
-    }
-    total
-}
-
 /// A sky of radiance one above the surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Furnace {
@@ -94,4 +53,45 @@ impl Furnace {
         }
         total
     }
+}
+
+/// Ends of intervals of the polar angle from 0 to π/2, increasingly fine towards 0 where lobes are, including π/4.
+pub fn polar_ends() -> Vec<f64> {
+    ladder().into_iter().map(|end| end * PI / 2.0).collect()
+}
+
+/// ∫ f(h) dh over the hemisphere of directions about z, with `fineness` nodes in each of the [`polar_ends`] and 16
+/// times as many around.
+pub fn over_hemisphere(fineness: usize, f: impl FnMut(Vec3<f64>) -> Vec3<f64>) -> Vec3<f64> {
+    over_part(fineness, |_| PI / 2.0, f)
+}
+
+/// Like [`over_hemisphere`], only to the polar angle `end` of cos φ, so that no step of f is between nodes.
+pub(super) fn over_part(
+    fineness: usize,
+    end: impl Fn(f64) -> f64,
+    mut f: impl FnMut(Vec3<f64>) -> Vec3<f64>,
+) -> Vec3<f64> {
+    let rule = nodes(fineness, &ladder());
+    let around = 16 * fineness;
+    let step = 2.0 * PI / around as f64;
+    let mut total = Vec3::splat(0.0);
+    for i in 0..around {
+        let phi = step * (i as f64 + 0.5);
+        let (sin_phi, cos_phi) = (scalar::sin(phi), scalar::cos(phi));
+        let end = end(cos_phi);
+        for (share, weight) in &rule {
+            let (sin, cos) = (scalar::sin(share * end), scalar::cos(share * end));
+            total += f(Vec3::new(sin * cos_phi, sin * sin_phi, cos)) * (weight * end * sin * step);
+        }
+    }
+    total
+}
+
+/// Ends of intervals of [0, 1], increasingly fine towards 0, where lobes are.
+fn ladder() -> Vec<f64> {
+    let mut ends = vec![0.0];
+    ends.extend((1..=15).rev().map(|i| 1.0 / f64::from(1u32 << i)));
+    ends.extend([0.625, 0.75, 0.875, 1.0]);
+    ends
 }

@@ -20,9 +20,9 @@ pub mod sampling;
 
 pub(crate) use layers::COAT_F0;
 pub use layers::{AnisotropicLobe, coat_fresnel, coat_lobe};
-pub use models::{Compensation, Energy, MaterialSample, compensation};
 pub use models::{
-    EnvironmentWeights, Shading, environment_weights, reflect, reflect_anisotropic, specular_occlusion,
+    Compensation, Energy, EnvironmentWeights, MaterialSample, Shading, compensation, environment_weights,
+    reflect, reflect_anisotropic, specular_occlusion,
 };
 pub use relief::{Facets, SubPixelVariance, curvature_variance};
 

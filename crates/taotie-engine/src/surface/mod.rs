@@ -25,8 +25,8 @@ pub use maps::{
 };
 pub use normals::{facet_normal, vertex_normals, with_normals};
 pub(crate) use normals::{mean_by_position, shared_by_position, with_normals_at};
-pub use tangents::{NO_UV_AREA, tangent_bytes, with_frames_at};
-pub use tangents::{TangentMethod, Tangented, with_frames, with_tangents};
+pub(crate) use tangents::{NO_UV_AREA, with_frames_at};
+pub use tangents::{TangentMethod, Tangented, tangent_bytes, with_frames, with_tangents};
 pub use weld::{Classes, bits, by_position};
 pub use winding::Opposed;
 

@@ -9,6 +9,7 @@ use super::normals::{corner_angles, with_normals_at};
 use super::weld::{Classes, bits, by_position};
 use crate::error::Result;
 use crate::math::{SimdLevel, Vec3};
+use crate::mesh::deform::gather;
 use crate::mesh::{Mesh, MeshData};
 use crate::names::Named;
 use crate::parallel;
@@ -46,7 +47,7 @@ pub struct Tangented {
 }
 
 /// The warning for [`Tangented::degenerate_uvs`].
-pub const NO_UV_AREA: &str = "triangles without uv area, given a tangent frame around their normal";
+pub(crate) const NO_UV_AREA: &str = "triangles without uv area, given a tangent frame around their normal";
 
 /// The mesh with the normals and tangents that a renderer needs, and the number of its triangles that span no area in
 /// `uv_set` if tangents were computed. Existing ones are kept; missing normals are [`super::vertex_normals`], and
@@ -63,7 +64,7 @@ pub fn with_frames(
 }
 
 /// [`with_frames`], with normals computed at a SIMD level.
-pub fn with_frames_at(
+pub(crate) fn with_frames_at(
     level: Level,
     mesh: &Mesh,
     uv_set: usize,
@@ -181,10 +182,6 @@ fn welded(mesh: &Mesh, tangents: &[CornerTangents]) -> Result<Mesh> {
         colors: gather(mesh.colors(), &old),
         triangles: corners.of.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect(),
     })
-}
-
-fn gather<T: Copy>(from: &[T], which: &[usize]) -> Vec<T> {
-    if from.is_empty() { Vec::new() } else { which.iter().map(|i| from[*i]).collect() }
 }
 
 /// The classes of vertices that are equal in everything but the tangent.

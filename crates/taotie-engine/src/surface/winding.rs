@@ -2,8 +2,7 @@
 
 use super::connectivity::Edges;
 use super::weld::{self, Classes};
-use crate::math::Vec3;
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, doubled_area};
 use crate::parallel;
 
 /// The maximum fraction of a connected surface that counts as wrong because it opposes the rest.
@@ -86,11 +85,6 @@ impl Component {
     }
 }
 
-fn doubled_area(mesh: &Mesh, triangle: usize) -> f64 {
-    let [a, b, c] = mesh.corners(triangle).map(Vec3::to_f64);
-    (b - a).cross(c - a).length()
-}
-
 /// Returns true if two triangles run along their common edge in the same direction.
 ///
 /// Around a vertex on a consistent, closed surface, every neighbour follows one triangle and precedes another, so the
@@ -135,6 +129,7 @@ fn mixed(place: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::Vec3;
     use crate::mesh::MeshData;
 
     /// A ball with these triangles reversed.

@@ -76,7 +76,7 @@ impl Bvh {
 
     /// Returns the nearest hit below the distance `limit` that `counts`, which may be called for any hit in any
     /// order.
-    pub fn nearest_of(&self, ray: &Ray, limit: f32, counts: impl Fn(&Hit) -> bool) -> Option<Hit> {
+    pub(crate) fn nearest_of(&self, ray: &Ray, limit: f32, counts: impl Fn(&Hit) -> bool) -> Option<Hit> {
         let mut best: Option<Hit> = None;
         self.walk::<true>(ray, Span { from: 0.0, to: limit }, |hit, span| {
             if hit.distance < limit && best.is_none_or(|best| comes_before(&hit, &best)) && counts(&hit) {
@@ -104,7 +104,12 @@ impl Bvh {
     }
 
     /// Returns the closest point of all triangles that `counts`, at most `reach` away.
-    pub fn closest_of(&self, point: Vec3, reach: f32, counts: impl Fn(u32) -> bool) -> Option<Closest> {
+    pub(crate) fn closest_of(
+        &self,
+        point: Vec3,
+        reach: f32,
+        counts: impl Fn(u32) -> bool,
+    ) -> Option<Closest> {
         closest(&self.tree, point, reach, counts)
     }
 
@@ -114,7 +119,7 @@ impl Bvh {
     }
 
     /// Returns all triangles in groups of up to 64 that lie close to each other.
-    pub fn clusters(&self) -> std::slice::Chunks<'_, u32> {
+    pub(crate) fn clusters(&self) -> std::slice::Chunks<'_, u32> {
         self.tree.order.chunks(CLUSTER)
     }
 

@@ -13,7 +13,7 @@ pub use nearby::Closest;
 pub(crate) use nearby::distance_to_triangle;
 pub use ray::Ray;
 pub use ray_packet::{PacketOrigins, PacketView, ParallelRays, RayPacket};
-pub use sweep::{EightTriangles, Sweep};
+pub(crate) use sweep::{EightTriangles, Sweep};
 
 /// Numbers for the tests of this module.
 #[cfg(test)]

@@ -6,10 +6,10 @@ use crate::math::Vec3;
 use std::cmp::Ordering;
 
 /// The corners of up to eight triangles, `corners[corner][axis][triangle]`.
-pub type EightTriangles = [[[f32; WIDTH]; 3]; 3];
+pub(crate) type EightTriangles = [[[f32; WIDTH]; 3]; 3];
 
 /// Receives the triangles of a [`Bvh::sweep`].
-pub trait Sweep {
+pub(crate) trait Sweep {
     /// Returns true if the triangles in a box, given by its minimum and maximum corner, are wanted.
     fn wants(&self, bounds: [Vec3; 2]) -> bool;
 
@@ -26,7 +26,7 @@ struct Waiting {
 
 impl Bvh {
     /// Visits the wanted boxes, those farthest along `toward` first, and passes on their triangles.
-    pub fn sweep(&self, toward: Vec3, sweep: &mut impl Sweep) {
+    pub(crate) fn sweep(&self, toward: Vec3, sweep: &mut impl Sweep) {
         self.descend(toward, |next, leaf| match leaf {
             None => sweep.wants(next),
             Some((triangles, leaf)) => {

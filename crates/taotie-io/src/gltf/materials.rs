@@ -1,5 +1,4 @@
-//! Materials: factors, texture slots, and layers from extensions: index of refraction, specular strength, clearcoat,
-//! anisotropy and sheen.
+//! Materials: factors, texture slots, index of refraction, and the layers of other extensions.
 //!
 //! A layer whose factor disables it is omitted, together with its textures. The JSON of extensions that the parser
 //! does not know is read member by member: an invalid member keeps its default, with a warning.
@@ -129,9 +128,7 @@ impl MaterialReader<'_, '_> {
     fn note(&mut self, what: String) {
         self.warnings.note(format!("{}: {what}", self.place), 1);
     }
-}
 
-impl MaterialReader<'_, '_> {
     /// Fills in the values of the extensions.
     fn read_layers(&mut self, material: &mut Material) {
         let Some(extensions) = &self.json.extensions else { return };
@@ -159,7 +156,7 @@ impl MaterialReader<'_, '_> {
             }
             // The first factor may disable the layer; the others have no effect then.
             if !(layer.is_visible)(material) {
-                (layer.remove)(material);
+                layer.remove(material);
                 return;
             }
         }

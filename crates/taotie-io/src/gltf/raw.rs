@@ -33,7 +33,8 @@ impl<'a> GltfSource<'a> {
     /// Returns the bytes of the file itself.
     ///
     /// # Errors
-    /// [`taotie_engine::Error::Io`] if it cannot be read, [`taotie_engine::Error::Limit`] if it does not fit in memory.
+    /// [`taotie_engine::Error::Io`] if it cannot be read, [`taotie_engine::Error::Limit`] if it does not fit in
+    /// memory.
     pub(super) fn bytes(self, reading: &Reading) -> Result<Cow<'a, [u8]>> {
         match self {
             Self::File(path) => reading.read_own(path).map(Cow::Owned),
@@ -163,7 +164,8 @@ fn stored(raw: &RawGltf, number: usize, image: &Value) -> Result<StoredImage> {
 /// Returns the stored bytes of an image; `None` if they are missing.
 ///
 /// # Errors
-/// [`taotie_engine::Error::Io`] if a file exists but cannot be read, [`taotie_engine::Error::Limit`] if it does not fit in memory.
+/// [`taotie_engine::Error::Io`] if a file exists but cannot be read, [`taotie_engine::Error::Limit`] if it does not
+/// fit in memory.
 pub(crate) fn image_bytes(raw: &RawGltf, image: &Value) -> Result<Option<Vec<u8>>> {
     match image.get("uri").and_then(Value::as_str) {
         Some(uri) => match resources::locate(uri, raw.reading()) {

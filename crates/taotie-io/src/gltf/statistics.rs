@@ -25,14 +25,14 @@ use taotie_engine::error::{Result, Warnings};
 /// The bytes of a glTF file by content.
 ///
 /// ```
-/// use taotie_io::{self, GltfSizes, GltfSource, Limits};
+/// use taotie_io::{GltfSizes, GltfSource, Limits};
 /// use taotie_engine::mesh::Mesh;
 /// use taotie_engine::scene::{Material, Scene};
 /// use taotie_engine::Warnings;
 ///
 /// let ball = Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default())?;
 /// let vertices = ball.meshes()[0].positions().len() as u64;
-/// let file = io::encode_scene(&ball, &[], &mut Warnings::default())?;
+/// let file = taotie_io::encode_scene(&ball, &[], &mut Warnings::default())?;
 /// let sizes = GltfSizes::read(GltfSource::Glb(&file), &Limits::default())?;
 /// let positions = sizes.attributes.iter().find(|size| size.name == "POSITION").expect("every mesh has positions");
 /// assert_eq!((positions.bytes, positions.gpu_bytes), (vertices * 12, vertices * 12));
@@ -92,8 +92,8 @@ impl GltfSizes {
     /// Reads the sizes of a `.gltf` or `.glb` file. Images are not decoded.
     ///
     /// # Errors
-    /// [`Error::Io`](taotie_engine::Error::Io) and [`Error::Parse`](taotie_engine::Error::Parse) if it cannot be read,
-    /// [`Error::Limit`](taotie_engine::Error::Limit) if its buffers do not fit in memory.
+    /// [`Error::Io`](taotie_engine::Error::Io) and [`Error::Parse`](taotie_engine::Error::Parse) if it cannot be
+    /// read, [`Error::Limit`](taotie_engine::Error::Limit) if its buffers do not fit in memory.
     pub fn read(source: GltfSource<'_>, limits: &Limits) -> Result<Self> {
         let reading = Arc::new(Reading::new(source.path(), limits));
         let content = source.bytes(&reading)?.into_owned();

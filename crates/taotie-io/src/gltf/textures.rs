@@ -44,9 +44,7 @@ impl Slot {
             .and_then(|(_, value)| deserialize::from_value(value.clone()).ok());
         Self { index, uv_set, transform }
     }
-}
 
-impl Slot {
     fn uv_set(&self) -> u32 {
         self.transform.as_ref().and_then(|t| t.tex_coord).unwrap_or(self.uv_set)
     }

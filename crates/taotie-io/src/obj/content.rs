@@ -1,7 +1,7 @@
 //! The content of an OBJ file, as stored: its arrays, its faces with their corners, and the objects and groups that
 //! name them.
 
-use super::super::file::{Words, quote};
+use super::super::text::{Words, quote};
 use taotie_engine::math::{Vec2, Vec3};
 
 /// The content of an OBJ file. Every index of a corner is in range or [`NONE`].

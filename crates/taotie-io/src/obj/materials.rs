@@ -1,8 +1,8 @@
 //! Converts MTL materials to the scene's, with the images that they refer to.
 
 use super::super::bitmap::{combined, read_map, texture};
-use super::super::file::quote;
 use super::super::reading::{Reading, find};
+use super::super::text::quote;
 use super::mtl::{Channel, Map, Mtl};
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};

@@ -12,10 +12,10 @@ mod statements;
 
 pub(super) use materials::neutral;
 
-use super::file::{quote, read_text};
 use super::loaded::{Loaded, checked};
 use super::polygon::{Cutter, Outline};
 use super::reading::{Reading, find};
+use super::text::{quote, read_text};
 use content::{Corner, Face, Mark, NONE, Obj, Walk, joined};
 use materials::Textures;
 use mtl::Mtl;
@@ -37,8 +37,8 @@ const NAMED: usize = 64;
 /// material colours as linear.
 ///
 /// # Errors
-/// [`taotie_engine::Error::Io`] if the file cannot be read, [`taotie_engine::Error::Parse`] with the line of unusable content.
-/// Missing libraries, materials and textures are noted in the warnings.
+/// [`taotie_engine::Error::Io`] if the file cannot be read, [`taotie_engine::Error::Parse`] with the line of unusable
+/// content. Missing libraries, materials and textures are noted in the warnings.
 pub(super) fn read(reading: &Reading) -> Result<Loaded> {
     let path = reading.path();
     let mut warnings = Warnings::default();

@@ -1,6 +1,6 @@
 //! The statements of an MTL file, as stored.
 
-use super::super::file;
+use super::super::text::lines;
 use std::path::{Path, PathBuf};
 use taotie_engine::error::Warnings;
 use taotie_engine::scene::UvTransform;
@@ -78,7 +78,7 @@ pub(super) enum Channel {
 pub(super) fn parse(path: &Path, text: &str, warnings: &mut Warnings) -> Vec<Mtl> {
     let mut materials: Vec<Mtl> = Vec::new();
     let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
-    for (_, statement) in file::lines(text) {
+    for (_, statement) in lines(text) {
         let (keyword, rest) = statement.split_once(char::is_whitespace).unwrap_or((&statement, ""));
         let rest = rest.trim();
         if keyword == "newmtl" {

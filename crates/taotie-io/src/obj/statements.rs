@@ -1,7 +1,7 @@
 //! The statements of an OBJ file, in blocks that are read independently of one another.
 
-use super::super::file::{self, Words, line_ends, quote};
 use super::super::polygon::Cutter;
+use super::super::text::{Words, line_ends, lines, quote};
 use super::content::{Face, Mark, Obj, corner, plain_corner};
 use std::collections::HashMap;
 use taotie_engine::error::Warnings;
@@ -62,7 +62,7 @@ impl Parser {
 
     /// Reads statements that may continue on the next line.
     fn joined_lines(&mut self, block: &str) -> std::result::Result<(), (usize, String)> {
-        file::lines(block)
+        lines(block)
             .try_for_each(|(line, statement)| self.statement(&statement, line).map_err(|what| (line, what)))
     }
 
@@ -341,7 +341,7 @@ impl FileOffset {
     /// Counts the content of `text`.
     pub fn of(text: &str) -> Self {
         let mut counts = [0; 3];
-        for (_, statement) in file::lines(text) {
+        for (_, statement) in lines(text) {
             match split_keyword(&statement).0 {
                 "v" => counts[0] += 1,
                 "vt" => counts[1] += 1,

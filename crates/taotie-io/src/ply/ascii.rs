@@ -2,7 +2,7 @@
 //! `1.` and `nan`, which exporters do write, so words are read individually here: in parallel if each row has its own
 //! line, else regardless of line ends.
 
-use super::super::file::{line_ends, quote};
+use super::super::text::{line_ends, quote};
 use super::header::is_float;
 use ply_rs_bw::ply::{ElementDef, PropertyType, ScalarType};
 use std::path::Path;

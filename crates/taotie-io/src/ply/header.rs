@@ -1,6 +1,6 @@
 //! The header of a PLY file, with plain error messages; and the meaning of the elements and properties that it names.
 
-use super::super::file::quote;
+use super::super::text::quote;
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{DefaultElement, ElementDef, Header, PropertyType, ScalarType};
 use std::io::{Cursor, ErrorKind};

@@ -34,8 +34,8 @@ use taotie_engine::scene::{Instance, Scene, SceneData, TextureRef, UvTransform};
 /// TextureFile` specifies the base colour texture. Normals are absent if the file has none, or if some are invalid.
 ///
 /// # Errors
-/// [`taotie_engine::Error::Io`] if the file cannot be read, [`taotie_engine::Error::Parse`] if its header or payload is invalid, and
-/// for point clouds, which cannot be drawn.
+/// [`taotie_engine::Error::Io`] if the file cannot be read, [`taotie_engine::Error::Parse`] if its header or payload
+/// is invalid, and for point clouds, which cannot be drawn.
 pub(super) fn read(reading: &Reading) -> Result<Loaded> {
     let path = reading.path();
     let mut warnings = Warnings::default();

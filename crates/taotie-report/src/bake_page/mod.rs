@@ -3,8 +3,7 @@
 //! ```no_run
 //! use std::path::Path;
 //! use taotie::asset::{BakeOptions, Baker, Certificate, Packing, Report, Scan, Signature, VerifyOptions};
-//! use taotie::Limits;
-//! use taotie::Progress;
+//! use taotie::{Error, Limits, Progress};
 //!
 //! let quiet = Progress::SILENT;
 //! let scan = Scan::read("scan.ply", &Limits::default(), quiet)?;
@@ -17,7 +16,7 @@
 //! (report.proof, report.certificate) = (Some(proof.figures.clone()), Some(certificate));
 //! let page = taotie_report::bake_page::page(&report, &proof, Some(written.asset()))?;
 //! taotie_io::write_text(Path::new("scan.report.html"), &taotie_report::html(&page))?;
-//! # Ok::<(), taotie_engine::Error>(())
+//! # Ok::<(), Error>(())
 //! ```
 
 mod breakdown;

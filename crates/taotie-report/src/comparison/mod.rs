@@ -3,17 +3,17 @@
 //!
 //! ```no_run
 //! use std::path::Path;
-//! use taotie_engine::Progress;
 //! use taotie::comparison::{Comparison, ComparisonOptions, Subject};
+//! use taotie::{Error, Progress};
 //! use taotie_report::comparison::{Options, write};
 //!
-//! let scene = taotie_io::load_model("low.glb".as_ref())?.scene;
-//! let reference = taotie_io::load_model("scan.ply".as_ref())?.scene;
+//! let scene = taotie_io::load_model("low.glb")?.scene;
+//! let reference = taotie_io::load_model("scan.ply")?.scene;
 //! let subject = Subject::new("low.glb", &scene).with_reference("scan.ply", &reference);
 //! let comparison = Comparison::of(&subject, &ComparisonOptions::default(), Progress::SILENT)?;
 //! let written = write(&comparison, &Options::default(), Path::new("comparison"))?;
 //! println!("{} files", written.files.len());
-//! # Ok::<(), taotie_engine::Error>(())
+//! # Ok::<(), Error>(())
 //! ```
 
 mod document;

@@ -7,11 +7,10 @@ use crate::recorder::{Callee, Recorded, record};
 use crate::variant::{Alpha, Variant};
 use taotie_engine::math::Vec3;
 use taotie_engine::pixel::{
-    EnvironmentTexels, Frame, Geometry, Highlight, MappedNormal, MaterialPoint, NormalInputs,
+    EnvironmentTexels, Frame, Geometry, Highlight, MappedNormal, MaterialPoint, NormalInputs, Texel,
     anisotropy_direction, anisotropy_turn, coat_albedo, coat_highlight, coat_normal, highlight,
-    is_cook_torrance, lobe_roughness, lobe_slope, occluded, sheen_albedo, takes_albedos,
+    is_cook_torrance, lobe_roughness, lobe_slope, mapped_variance, occluded, sheen_albedo, takes_albedos,
 };
-use taotie_engine::scene::TextureRole;
 use taotie_engine::shade::dfg::{Dfg, TablePosition};
 use taotie_engine::shade::{Angles, AnisotropicLobe, SubPixelVariance, curvature_variance};
 
@@ -238,8 +237,7 @@ impl<'g> Inputs<'g, '_> {
 
     /// The clearcoat's normal on the visible side, before it is turned towards the viewer.
     fn mapped_coat(self, geometry: &Geometry<Number<'g>>, frame: &Frame<Number<'g>>) -> Vector<'g> {
-        let is_mapped = self.variant.textures.contains_key(&TextureRole::ClearcoatNormal);
-        if !(is_mapped && self.variant.tangents) {
+        if !(self.has(Texel::ClearcoatNormal) && self.variant.tangents) {
             return frame.smooth;
         }
         let map = MappedNormal {
@@ -253,9 +251,9 @@ impl<'g> Inputs<'g, '_> {
     /// Cosine and sine of the anisotropy angle.
     fn turn(self) -> [Number<'g>; 2] {
         let own = [self.number("u.anisotropy_cos"), self.number("u.anisotropy_sin")];
-        match self.variant.textures.contains_key(&TextureRole::Anisotropy) {
+        match self.has(Texel::AnisotropyRed) {
             true => {
-                anisotropy_turn(own, [self.number("t.anisotropy_red"), self.number("t.anisotropy_green")])
+                anisotropy_turn(own, [Texel::AnisotropyRed, Texel::AnisotropyGreen].map(|t| self.texel_of(t)))
             }
             false => own,
         }
@@ -293,41 +291,48 @@ impl<'g> NormalInputs<Number<'g>> for Inputs<'g, '_> {
 
 /// The values of a material at a point: textures times factors, widened by subpixel detail.
 impl<'g> Inputs<'g, '_> {
-    fn has(self, role: TextureRole) -> bool {
-        self.variant.textures.contains_key(&role)
+    fn has(self, texel: Texel) -> bool {
+        let role = texel.role(self.variant.packed_occlusion);
+        role.is_some_and(|role| self.variant.textures.contains_key(&role))
+    }
+
+    fn texel_of(self, texel: Texel) -> Number<'g> {
+        self.number(texel.parameters()[0])
     }
 
     /// A texel times its factor; only the factor if there is no texture.
-    fn scaled(self, role: TextureRole, texel: &'static str, factor: &'static str) -> Number<'g> {
-        match self.has(role) {
-            true => self.number(texel) * self.number(factor),
+    fn scaled(self, texel: Texel) -> Number<'g> {
+        let [value, factor] = texel.parameters();
+        match self.has(texel) {
+            true => self.number(value) * self.number(factor),
             false => self.number(factor),
         }
     }
 
     /// A colour's texel times its factor; only the factor if there is no texture.
-    fn colored(self, role: TextureRole, texel: &'static str, factor: &'static str) -> Vector<'g> {
-        match self.has(role) {
-            true => self.vector(texel).mul_elements(self.vector(factor)),
+    fn colored(self, texel: Texel) -> Vector<'g> {
+        let [value, factor] = texel.parameters();
+        match self.has(texel) {
+            true => self.vector(value).mul_elements(self.vector(factor)),
             false => self.vector(factor),
         }
     }
 
     /// Base colour texture times vertex colour.
     fn tint(self) -> Vector<'g> {
-        let texel = self.vector_or(self.has(TextureRole::BaseColor), "t.base_color", 1.0);
+        let texel = self.vector_or(self.has(Texel::BaseColor), "t.base_color", 1.0);
         texel.mul_elements(self.vector_or(self.variant.vertex_color, "t.color", 1.0))
     }
 
     /// Opacity.
     fn alpha(self) -> Number<'g> {
-        let alpha = self.scaled(TextureRole::BaseColor, "t.alpha", "u.alpha");
-        if self.variant.vertex_color { alpha * self.number("t.color_alpha") } else { alpha }
+        let alpha = self.scaled(Texel::Alpha);
+        if self.variant.vertex_color { alpha * self.texel_of(Texel::ColorAlpha) } else { alpha }
     }
 
     fn occlusion(self) -> Number<'g> {
-        match self.variant.is_occluded() {
-            true => occluded(self.number("t.occlusion"), self.number("u.occlusion_strength")),
+        match self.has(Texel::Occlusion) {
+            true => occluded(self.texel_of(Texel::Occlusion), self.number("u.occlusion_strength")),
             false => self.constant(1.0),
         }
     }
@@ -339,57 +344,39 @@ impl<'g> Inputs<'g, '_> {
         }
     }
 
-    /// The variance of a map's normals within the pixel.
-    fn mapped_variance(self, counts: bool, texel: &'static str, scale: &'static str) -> Number<'g> {
-        match counts {
-            true => self.number(texel) * (self.number(scale) * self.number(scale)),
+    /// The subpixel detail of the surface, with the variance of this normal map.
+    fn hidden(self, map: Texel, scale: &'static str) -> SubPixelVariance<Number<'g>> {
+        let normal_variance = match self.variant.specular_aa && self.has(map) {
+            true => mapped_variance(self.texel_of(map), self.number(scale)),
             false => self.constant(0.0),
-        }
-    }
-
-    fn hidden(self) -> SubPixelVariance<Number<'g>> {
-        let counts = self.variant.has_normal_variance();
-        let normal_variance = self.mapped_variance(counts, "t.normal_variance", "u.normal_scale");
+        };
         SubPixelVariance { curvature: self.curvature(), normal_variance }
-    }
-
-    fn hidden_in_coat(self) -> SubPixelVariance<Number<'g>> {
-        let counts = self.variant.specular_aa && self.has(TextureRole::ClearcoatNormal);
-        let normal_variance =
-            self.mapped_variance(counts, "t.clearcoat_variance", "u.clearcoat_normal_scale");
-        SubPixelVariance { curvature: self.curvature(), normal_variance }
-    }
-
-    fn roughness(self) -> Number<'g> {
-        let roughness = self.scaled(TextureRole::MetallicRoughness, "t.roughness", "u.roughness");
-        if self.variant.widens { self.hidden().widened(roughness) } else { roughness }
-    }
-
-    fn coat_roughness(self) -> Number<'g> {
-        let role = TextureRole::ClearcoatRoughness;
-        let roughness = self.scaled(role, "t.clearcoat_roughness", "u.clearcoat_roughness");
-        self.hidden_in_coat().widened(roughness)
     }
 
     /// All values, in the order of the structure's fields.
     fn material_values(self) -> Vec<Number<'g>> {
-        let metallic = self.scaled(TextureRole::MetallicRoughness, "t.metallic", "u.metallic");
-        let specular = self.scaled(TextureRole::Specular, "t.specular", "u.specular");
-        let specular_color = self.colored(TextureRole::SpecularColor, "t.specular_color", "u.specular_color");
-        let emissive = self.colored(TextureRole::Emissive, "t.emissive", "u.emissive");
-        let sheen_color = self.colored(TextureRole::SheenColor, "t.sheen_color", "u.sheen_color");
-        let sheen = self.scaled(TextureRole::SheenRoughness, "t.sheen_roughness", "u.sheen_roughness");
+        let hidden = || self.hidden(Texel::NormalVariance, "u.normal_scale");
+        let metallic = self.scaled(Texel::Metallic);
+        let specular = self.scaled(Texel::Specular);
+        let specular_color = self.colored(Texel::SpecularColor);
+        let emissive = self.colored(Texel::Emissive);
+        let sheen_color = self.colored(Texel::SheenColor);
+        let sheen = self.scaled(Texel::SheenRoughness);
         let mut values = self.tint().to_array().to_vec();
-        values.extend([metallic, self.roughness(), specular]);
+        let roughness = self.scaled(Texel::Roughness);
+        let roughness = if self.variant.widens { hidden().widened(roughness) } else { roughness };
+        values.extend([metallic, roughness, specular]);
         values.extend(specular_color.to_array());
         values.push(self.occlusion());
         values.extend(emissive.to_array());
-        values.push(self.hidden().variance());
-        values.push(self.scaled(TextureRole::Clearcoat, "t.clearcoat", "u.clearcoat"));
-        values.push(self.coat_roughness());
+        values.push(hidden().variance());
+        values.push(self.scaled(Texel::Clearcoat));
+        let coat_roughness = self.scaled(Texel::ClearcoatRoughness);
+        let in_coat = self.hidden(Texel::ClearcoatVariance, "u.clearcoat_normal_scale");
+        values.push(in_coat.widened(coat_roughness));
         values.extend(sheen_color.to_array());
         values.push(sheen);
-        values.push(self.scaled(TextureRole::Anisotropy, "t.anisotropy", "u.anisotropy"));
+        values.push(self.scaled(Texel::Anisotropy));
         values
     }
 }

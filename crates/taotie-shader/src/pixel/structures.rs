@@ -10,7 +10,7 @@ use crate::variant::Variant;
 use taotie_engine::math::Vec3;
 use taotie_engine::pixel::{
     Anisotropic, Coat, Frame, Geometry, MaterialPoint, MaterialUniforms, MaterialValues, PointLayers, Sheen,
-    SurfacePoint, is_cook_torrance,
+    SurfacePoint, Texel, is_cook_torrance,
 };
 use taotie_engine::scene::TextureRole;
 use taotie_engine::shade::{AnisotropicLobe, Compensation, MaterialSample};
@@ -25,7 +25,7 @@ type Row = (&'static str, Kind, &'static str);
 pub(super) fn variable() -> Vec<Structure> {
     let mut structures = vec![
         of("Geometry", "An interpolated point of a surface, world space.", &["g"], &GEOMETRY),
-        of("Texels", "The texture and vertex values at a point.", &["t"], &TEXELS),
+        of("Texels", "The texture and vertex values at a point.", &["t"], &texels()),
         of("ShadingFrame", "The directions of a point, unit, world space.", &["f"], &FRAME),
         of("MaterialValues", MATERIAL, &["m"], &VALUES),
         of(
@@ -72,6 +72,12 @@ fn of(name: &'static str, doc: &'static str, arguments: &'static [&'static str],
     Structure { name, doc, arguments, fields: fields.collect() }
 }
 
+/// The fields of all texels.
+fn texels() -> Vec<Row> {
+    let kind = |texel: &Texel| if texel.channels() == "rgb" { V } else { N };
+    Texel::ALL.iter().map(|texel| (texel.name(), kind(texel), texel.meaning())).collect()
+}
+
 /// A uniform that recorded formulas can take.
 fn uniform(field: &factors::FactorName) -> Option<Field> {
     let kind = match field.kind {
@@ -98,32 +104,6 @@ const GEOMETRY: [Row; 15] = [
     ("du_dy", N, "The change of the height map's u to the next sample above or below."),
     ("dv_dy", N, "The change of the height map's v to the next sample above or below."),
     ("height_width", N, "The width of the height map's finest level in texels."),
-];
-
-const TEXELS: [Row; 23] = [
-    ("base_color", V, "Linear RGB."),
-    ("alpha", N, "Opacity, [0, 1]."),
-    ("color", V, "The vertex colour, linear RGB."),
-    ("color_alpha", N, "The vertex colour's alpha, [0, 1]."),
-    ("metallic", N, "[0, 1]."),
-    ("roughness", N, "[0, 1]."),
-    ("occlusion", N, "[0, 1]."),
-    ("emissive", V, "Linear RGB."),
-    ("normal", V, "The normal map's vector as stored, each component in [0, 1]."),
-    ("normal_variance", N, "The variance of the normal map's vectors, [0, 1]."),
-    ("height_du", N, "The derivative of the height map by u."),
-    ("height_dv", N, "The derivative of the height map by v."),
-    ("specular", N, "[0, 1]."),
-    ("specular_color", V, "Linear RGB."),
-    ("clearcoat", N, "[0, 1]."),
-    ("clearcoat_roughness", N, "[0, 1]."),
-    ("clearcoat_normal", V, "The clearcoat's normal map's vector as stored, each component in [0, 1]."),
-    ("clearcoat_variance", N, "The variance of the clearcoat's normal map's vectors, [0, 1]."),
-    ("sheen_color", V, "Linear RGB."),
-    ("sheen_roughness", N, "[0, 1]."),
-    ("anisotropy", N, "[0, 1]."),
-    ("anisotropy_red", N, "The stored cosine of the anisotropy's rotation, [0, 1]."),
-    ("anisotropy_green", N, "The stored sine of the anisotropy's rotation, [0, 1]."),
 ];
 
 const FRAME: [Row; 4] = [
@@ -234,32 +214,8 @@ const PICTURE_POSITION: [Row; 6] = [
 
 /// The texture and channels of a field of `Texels`; `None` for values from vertices.
 pub(crate) fn texel_source(field: &str, variant: &Variant) -> Option<(TextureRole, &'static str)> {
-    use TextureRole as Role;
-    Some(match field {
-        "base_color" => (Role::BaseColor, "rgb"),
-        "alpha" => (Role::BaseColor, "a"),
-        "roughness" => (Role::MetallicRoughness, "g"),
-        "metallic" => (Role::MetallicRoughness, "b"),
-        "occlusion" if variant.packed_occlusion => (Role::MetallicRoughness, "r"),
-        "occlusion" => (Role::Occlusion, "r"),
-        "emissive" => (Role::Emissive, "rgb"),
-        "normal" => (Role::Normal, "rgb"),
-        "normal_variance" => (Role::Normal, "a"),
-        "height_du" => (Role::Height, "x"),
-        "height_dv" => (Role::Height, "y"),
-        "specular" => (Role::Specular, "a"),
-        "specular_color" => (Role::SpecularColor, "rgb"),
-        "clearcoat" => (Role::Clearcoat, "r"),
-        "clearcoat_roughness" => (Role::ClearcoatRoughness, "g"),
-        "clearcoat_normal" => (Role::ClearcoatNormal, "rgb"),
-        "clearcoat_variance" => (Role::ClearcoatNormal, "a"),
-        "sheen_color" => (Role::SheenColor, "rgb"),
-        "sheen_roughness" => (Role::SheenRoughness, "a"),
-        "anisotropy" => (Role::Anisotropy, "b"),
-        "anisotropy_red" => (Role::Anisotropy, "r"),
-        "anisotropy_green" => (Role::Anisotropy, "g"),
-        _ => return None,
-    })
+    let texel = Texel::named(field)?;
+    Some((texel.role(variant.packed_occlusion)?, texel.channels()))
 }
 
 /// The structures of a stage as parameters of a recording; whatever the variant determines is a constant.

@@ -22,9 +22,8 @@ use taotie_io::{Bytes, FileSet, Limits};
 ///
 /// ```
 /// use std::sync::Arc;
-/// use taotie::Progress;
 /// use taotie::asset::{BakeOptions, Baker, MeshSource, Scan};
-/// use taotie_engine::mesh::Mesh;
+/// use taotie::{Mesh, Progress};
 ///
 /// let scan = Scan::from_mesh(Mesh::sphere(1.0, 128, 64), Progress::SILENT)?;
 /// let low = Some(MeshSource::Mesh(Arc::new(Mesh::sphere(1.0, 24, 12))));
@@ -107,9 +106,9 @@ impl Baker {
     /// detail`, and is asked about every 20 ms whether to continue.
     ///
     /// # Errors
-    /// [`Error::Cancelled`](taotie_engine::Error::Cancelled); those of [`BakeOptions::check`] and of reading the files named
-    /// in the options; [`Error::Limit`](taotie_engine::Error::Limit) if memory is insufficient;
-    /// [`Error::Invalid`](taotie_engine::Error::Invalid) if simplification lost the scan's shape, no ray met the scan, or a
+    /// [`Error::Cancelled`](crate::Error::Cancelled); those of [`BakeOptions::check`] and of reading the files named
+    /// in the options; [`Error::Limit`](crate::Error::Limit) if memory is insufficient;
+    /// [`Error::Invalid`](crate::Error::Invalid) if simplification lost the scan's shape, no ray met the scan, or a
     /// search produced nothing at all. If a search finds no asset within the requirements, the result is the nearest
     /// one, with a warning.
     pub fn bake(&self, scan: impl Into<Scan>, progress: Progress<'_>) -> Result<Asset> {

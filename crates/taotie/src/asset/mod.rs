@@ -18,7 +18,7 @@
 //! ```
 //!
 //! [`Baker`], [`Scan`] and [`Asset`] own their data and can be sent to any thread. Each step takes a
-//! [`Progress`](taotie_engine::Progress): its listener receives the stages, and cancelling takes effect within about 20 ms at
+//! [`Progress`](crate::Progress): its listener receives the stages, and cancelling takes effect within about 20 ms at
 //! any point. Anything requested that cannot be done is an error or a counted warning.
 //!
 //! Its folders import from one another in one direction only: each from those before it.

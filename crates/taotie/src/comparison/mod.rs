@@ -6,12 +6,11 @@
 //!
 //! ```no_run
 //! use taotie::comparison::{Comparison, ComparisonOptions, Method, Subject};
-//! use taotie_engine::surface::SurfaceMethod;
-//! use taotie::Progress;
+//! use taotie::{Progress, SurfaceMethod};
 //!
 //! # fn main() -> taotie::Result<()> {
-//! let low = taotie_io::load_model("low.glb".as_ref())?.scene;
-//! let high = taotie_io::load_model("scan.ply".as_ref())?.scene;
+//! let low = taotie::load_model("low.glb")?.scene;
+//! let high = taotie::load_model("scan.ply")?.scene;
 //! let subject = Subject::new("low.glb", &low).with_reference("scan.ply", &high);
 //! let methods = [SurfaceMethod::Smooth, SurfaceMethod::TangentNormal].map(Method::from).to_vec();
 //! let options = ComparisonOptions { methods, ..ComparisonOptions::default() };
@@ -49,12 +48,8 @@ use taotie_engine::surface::SurfaceMethod;
 /// A model rendered by several surface methods, with images and angles: see [`Comparison::of`].
 ///
 /// ```
-/// use taotie::Progress;
 /// use taotie::comparison::{Comparison, ComparisonOptions, Method, Subject};
-/// use taotie_engine::mesh::Mesh;
-/// use taotie_engine::render::RenderSettings;
-/// use taotie_engine::scene::{Material, Scene};
-/// use taotie_engine::surface::SurfaceMethod;
+/// use taotie::{Material, Mesh, Progress, RenderSettings, Scene, SurfaceMethod};
 ///
 /// let ball = Scene::of_mesh(Mesh::sphere(1.0, 24, 12), Material::default())?;
 /// let options = ComparisonOptions {
@@ -103,8 +98,8 @@ impl Comparison {
     /// A method that the model's materials do not support is skipped; see [`Comparison::skipped`].
     ///
     /// # Errors
-    /// [`taotie_engine::Error::Invalid`] for options that cannot be satisfied and if no method can be rendered, those of
-    /// rendering, and [`taotie_engine::Error::Cancelled`].
+    /// [`Error::Invalid`](crate::Error::Invalid) for options that cannot be satisfied and if no method can be
+    /// rendered, those of rendering, and [`Error::Cancelled`](crate::Error::Cancelled).
     pub fn of(subject: &Subject<'_>, options: &ComparisonOptions, progress: Progress<'_>) -> Result<Self> {
         options.check()?;
         let mut photographer = Photographer::new(subject, options, progress.stage("compare"))?;

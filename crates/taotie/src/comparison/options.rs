@@ -18,8 +18,8 @@ use taotie_engine::surface::SurfaceMethod;
 /// Options of a comparison of models.
 ///
 /// ```
+/// use taotie::Shading;
 /// use taotie::comparison::{ComparisonOptions, Matching, Method, SamplePoints};
-/// use taotie_engine::shade::Shading;
 ///
 /// let options = ComparisonOptions {
 ///     shadings: vec![Shading::Lambert, Shading::Ggx],
@@ -128,14 +128,12 @@ impl ComparisonOptions {
         let lights = if own { model.lights().to_vec() } else { three_point_rig(camera) };
         Lighting { lights, ..Lighting::default() }
     }
-}
 
-impl ComparisonOptions {
     /// Returns the memory in bytes for the images of a comparison, in addition to the scenes.
     ///
     /// ```
+    /// use taotie::RenderSettings;
     /// use taotie::comparison::ComparisonOptions;
-    /// use taotie_engine::render::RenderSettings;
     ///
     /// let small = ComparisonOptions::default();
     /// let settings = RenderSettings { width: 16_384, height: 16_384, ..RenderSettings::default() };
@@ -163,8 +161,8 @@ impl ComparisonOptions {
 /// A way to find the shading normal: a surface method, and for the bump methods a factor.
 ///
 /// ```
+/// use taotie::SurfaceMethod;
 /// use taotie::comparison::Method;
-/// use taotie_engine::surface::SurfaceMethod;
 ///
 /// let bump = Method { surface: SurfaceMethod::Bump, factor: Some(5.0) };
 /// assert_eq!(bump.id(), "bump:5");

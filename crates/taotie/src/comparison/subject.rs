@@ -9,8 +9,7 @@ const TOLERANCE: f64 = 0.05;
 /// A scene with the name used for it in reports and warnings, such as its file's.
 ///
 /// ```
-/// # use taotie_engine::mesh::Mesh;
-/// # use taotie_engine::scene::{Material, Scene};
+/// # use taotie::{Material, Mesh, Scene};
 /// use taotie::comparison::{NamedScene, Subject};
 ///
 /// let ball = Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default())?;
@@ -29,8 +28,7 @@ pub struct NamedScene<'a> {
 /// A model, and optionally a high-poly reference: the same object with its relief as geometry.
 ///
 /// ```
-/// # use taotie_engine::mesh::Mesh;
-/// # use taotie_engine::scene::{Material, Scene};
+/// # use taotie::{Material, Mesh, Scene};
 /// use taotie::comparison::Subject;
 ///
 /// let low = Scene::of_mesh(Mesh::sphere(1.0, 24, 12), Material::default())?;
@@ -50,8 +48,7 @@ pub struct Subject<'a> {
 /// The names and sizes of the compared models.
 ///
 /// ```
-/// # use taotie_engine::mesh::Mesh;
-/// # use taotie_engine::scene::{Material, Scene};
+/// # use taotie::{Material, Mesh, Scene};
 /// use taotie::comparison::Subject;
 ///
 /// let ball = Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default())?;
@@ -110,8 +107,7 @@ impl<'a> Subject<'a> {
     /// Gives materials of a reference that are all defaults the factors of the model's first, so that both match.
     ///
     /// ```
-    /// # use taotie_engine::mesh::Mesh;
-    /// # use taotie_engine::scene::{Material, Scene};
+    /// # use taotie::{Material, Mesh, Scene};
     /// use taotie::comparison::Subject;
     ///
     /// let metal = Material { metallic: 1.0, ..Material::default() };

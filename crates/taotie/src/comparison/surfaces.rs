@@ -15,7 +15,7 @@ use taotie_engine::render::{Lighting, RenderSettings, Renderer, Shot, SurfaceSet
 use taotie_engine::scene::{Camera, Scene};
 use taotie_engine::shade::Shading;
 use taotie_engine::surface::SurfaceMethod;
-pub use taotie_io::Stopwatch;
+use taotie_io::Stopwatch;
 
 /// A surface as seen: the model by one method, or the reference.
 ///

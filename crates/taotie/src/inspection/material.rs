@@ -4,7 +4,8 @@
 use std::collections::HashMap;
 use taotie_engine::image::{Bitmap, Encoding};
 use taotie_engine::scene::{
-    AlphaMode, Classic, GreenChannel, Material, NormalMap, NormalSpace, TextureRef, TextureRole,
+    AlphaMode, Classic, Factor, FactorValue, GreenChannel, LAYERS, Layer, Material, NormalMap, NormalSpace,
+    TextureRef, TextureRole,
 };
 use taotie_engine::surface::{GreenVerdict, NormalMapKind, green_direction, invalid_texels, is_normal_map};
 use taotie_io::Loaded;
@@ -19,7 +20,7 @@ use taotie_io::Loaded;
 ///     inspection.materials.iter().filter(|material| material.alpha_mode == "blend")
 /// }
 /// ```
-#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 #[non_exhaustive]
 pub struct MaterialReport {
     /// As in the file; may be empty.
@@ -32,9 +33,11 @@ pub struct MaterialReport {
     pub roughness: f32,
     /// Reflectance at normal incidence, linear RGB, if specified in the file.
     pub f0: Option<[f32; 3]>,
-    /// The layers that extensions of glTF add.
-    #[serde(flatten)]
-    pub layers: LayersReport,
+    /// Index of refraction of the dielectric part.
+    pub ior: f32,
+    /// The layers that extensions of glTF add: one for each of [`LAYERS`], in order.
+    #[serde(flatten, serialize_with = "by_name")]
+    pub layers: Vec<LayerReport>,
     /// Emitted radiance, linear RGB.
     pub emissive: [f32; 3],
     /// `opaque`, `mask` or `blend`.
@@ -86,8 +89,7 @@ pub struct ClassicReport {
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct TextureReport {
-    /// `base-color`, `metallic-roughness`, `normal`, `height`, `occlusion`, `emissive`, `specular`, `specular-color`,
-    /// `clearcoat`, `clearcoat-roughness`, `clearcoat-normal`, `anisotropy`, `sheen-color` or `sheen-roughness`.
+    /// The [label](TextureRole::label) of its role, such as `base-color` or `clearcoat-normal`.
     pub role: String,
     /// The file or name.
     pub file: String,
@@ -134,7 +136,8 @@ impl<'a> Materials<'a> {
             metallic: material.metallic,
             roughness: material.roughness,
             f0: material.f0,
-            layers: LayersReport::new(material),
+            ior: material.ior,
+            layers: LAYERS.iter().map(|layer| LayerReport::new(layer, material)).collect(),
             emissive: material.emissive,
             alpha_mode: alpha_mode.into(),
             alpha_cutoff,
@@ -186,114 +189,56 @@ impl ClassicReport {
     }
 }
 
-/// The layers that glTF's extensions add to a material.
+/// A layer that an extension of glTF adds to a material.
 ///
 /// ```
-/// use taotie::inspection::LayersReport;
+/// use taotie::inspection::{LayerReport, MaterialReport};
 ///
-/// /// Returns `true` if a viewer without extensions shows the same.
-/// fn is_plain(layers: &LayersReport) -> bool {
-///     layers.ior == 1.5
-///         && layers.specular.factor == 1.0
-///         && layers.specular.color == [1.0; 3]
-///         && layers.clearcoat.is_none()
-///         && layers.anisotropy.is_none()
-///         && layers.sheen.is_none()
+/// /// Returns the layers that the material has.
+/// fn present(material: &MaterialReport) -> impl Iterator<Item = &LayerReport> {
+///     material.layers.iter().filter(|layer| !layer.values.is_empty())
 /// }
 /// ```
-#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
-pub struct LayersReport {
-    /// Index of refraction of the dielectric part.
-    pub ior: f32,
-    /// The strength of the dielectric part's reflection.
-    pub specular: SpecularReport,
-    /// A clearcoat.
-    pub clearcoat: Option<ClearcoatReport>,
-    /// Anisotropic highlights.
-    pub anisotropy: Option<AnisotropyReport>,
-    /// The sheen layer.
-    pub sheen: Option<SheenReport>,
+pub struct LayerReport {
+    /// Its name, such as `clearcoat`.
+    pub name: &'static str,
+    /// Its factors by name, then `normal_scale`, `None` without a normal map, if the layer can have one; empty if the
+    /// material lacks the layer.
+    pub values: Vec<(String, Option<FactorValue>)>,
 }
 
-/// The strength of the dielectric part's reflection.
-#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
-#[non_exhaustive]
-pub struct SpecularReport {
-    /// [0, 1].
-    pub factor: f32,
-    /// Linear RGB.
-    pub color: [f32; 3],
+impl LayerReport {
+    fn new(layer: &Layer, material: &Material) -> Self {
+        let factor = |factor: &Factor| {
+            let value = (factor.get)(material)?;
+            let unit = if matches!(value, FactorValue::Angle(_)) { "_deg" } else { "" };
+            Some((format!("{}{unit}", factor.field), Some(value)))
+        };
+        let mut values: Vec<_> = layer.factors.iter().filter_map(factor).collect();
+        if !values.is_empty() {
+            let maps = layer.textures.iter().filter(|role| role.encoding() == Encoding::Normal);
+            let scales = maps.map(|role| role.normal_map(material).map(|map| FactorValue::Number(map.scale)));
+            values.extend(scales.map(|scale| ("normal_scale".to_owned(), scale)));
+        }
+        Self { name: layer.key(), values }
+    }
 }
 
-/// A clearcoat.
-///
-/// ```
-/// use taotie::inspection::ClearcoatReport;
-///
-/// /// Returns `true` if the clearcoat is flat and mirrors.
-/// fn is_mirror(coat: &ClearcoatReport) -> bool {
-///     coat.normal_scale.is_none() && coat.roughness == 0.0
-/// }
-/// ```
-#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
-#[non_exhaustive]
-pub struct ClearcoatReport {
-    /// [0, 1].
-    pub factor: f32,
-    /// [0, 1].
-    pub roughness: f32,
-    /// The scale of its normal map, if it has one.
-    pub normal_scale: Option<f32>,
-}
-
-/// Anisotropic highlights.
-///
-/// ```
-/// use taotie::inspection::AnisotropyReport;
-///
-/// /// Returns `true` if highlights run along the tangent.
-/// fn runs_along_tangent(anisotropy: &AnisotropyReport) -> bool {
-///     anisotropy.strength > 0.0 && anisotropy.rotation_deg == 0.0
-/// }
-/// ```
-#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
-#[non_exhaustive]
-pub struct AnisotropyReport {
-    /// [0, 1].
-    pub strength: f32,
-    /// Degrees counter-clockwise from the tangent.
-    pub rotation_deg: f64,
-}
-
-/// A sheen layer.
-#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
-#[non_exhaustive]
-pub struct SheenReport {
-    /// Linear RGB.
-    pub color: [f32; 3],
-    /// [0, 1].
-    pub roughness: f32,
-}
-
-impl LayersReport {
-    fn new(material: &Material) -> Self {
-        let specular = &material.specular;
-        Self {
-            ior: material.ior,
-            specular: SpecularReport { factor: specular.factor, color: specular.color },
-            clearcoat: material.clearcoat.map(|coat| ClearcoatReport {
-                factor: coat.factor,
-                roughness: coat.roughness,
-                normal_scale: coat.normal.map(|map| map.scale),
-            }),
-            anisotropy: material.anisotropy.map(|anisotropy| AnisotropyReport {
-                strength: anisotropy.strength,
-                rotation_deg: anisotropy.rotation.to_degrees(),
-            }),
-            sheen: material.sheen.map(|sheen| SheenReport { color: sheen.color, roughness: sheen.roughness }),
+impl serde::Serialize for LayerReport {
+    /// Writes a map of the values, or null.
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self.values.is_empty() {
+            true => serializer.serialize_none(),
+            false => serializer.collect_map(self.values.iter().map(|(name, value)| (name, value))),
         }
     }
+}
+
+/// Writes a map of layers.
+fn by_name<S: serde::Serializer>(layers: &[LayerReport], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(layers.iter().map(|layer| (layer.name, layer)))
 }
 
 /// A normal map: how it is drawn, and the guess from its pixels.

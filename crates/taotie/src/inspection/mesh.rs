@@ -46,11 +46,8 @@ pub struct MeshReport {
 /// The kind of normals that a mesh has.
 ///
 /// ```
-/// # use taotie::Warnings;
 /// # use taotie::inspection::{Inspection, Normals};
-/// # use taotie_io::Loaded;
-/// # use taotie_engine::mesh::Mesh;
-/// # use taotie_engine::scene::{Material, Scene};
+/// # use taotie::{Loaded, Material, Mesh, Scene, Warnings};
 /// let ball = Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default())?;
 /// let inspection = Inspection::of(&Loaded::new(ball, Warnings::default(), "glTF"));
 /// assert_eq!(inspection.meshes[0].normals, Normals::Smooth);

@@ -4,23 +4,23 @@
 use super::material::{MaterialReport, Materials};
 use super::mesh::{self, MeshReport};
 use taotie_engine::error::{Warning, Warnings};
-pub use taotie_engine::render::{SurfaceSettings, foreseen_warnings};
+use taotie_engine::render::{SurfaceSettings, foreseen_warnings};
 use taotie_engine::scene::animation::Animation;
 use taotie_engine::scene::{Camera, GreenChannel, Light, LightKind, NormalSpace, Projection, Scene};
 use taotie_engine::surface::{GreenVerdict, NormalMapKind};
-pub use taotie_io::{GltfSizes, Loaded, XmpEvent, xmp_history, xmp_rights, xmp_sources};
+use taotie_io::{GltfSizes, Loaded, XmpEvent, xmp_history, xmp_rights, xmp_sources};
 
 /// The content and faults of a model.
 ///
 /// ```no_run
 /// use taotie::inspection::Inspection;
 ///
-/// let inspection = Inspection::of(&taotie_io::load_model("statue.glb".as_ref())?);
+/// let inspection = Inspection::of(&taotie::load_model("statue.glb")?);
 /// let broken = inspection.meshes.iter().filter(|mesh| mesh.zero_area_triangles > 0);
 /// println!("{} of {} meshes have triangles without area", broken.count(), inspection.counts.meshes);
 /// # Ok::<(), taotie::Error>(())
 /// ```
-#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 #[non_exhaustive]
 pub struct Inspection {
     /// `glTF`, `GLB`, `OBJ`, `PLY` or `STL`.
@@ -67,11 +67,8 @@ pub struct Inspection {
 /// The number of objects of each kind.
 ///
 /// ```
-/// # use taotie::Warnings;
 /// # use taotie::inspection::Inspection;
-/// # use taotie_io::Loaded;
-/// # use taotie_engine::mesh::Mesh;
-/// # use taotie_engine::scene::{Material, Scene};
+/// # use taotie::{Loaded, Material, Mesh, Scene, Warnings};
 /// let ball = Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default())?;
 /// let counts = Inspection::of(&Loaded::new(ball, Warnings::default(), "glTF")).counts;
 /// assert_eq!((counts.meshes, counts.triangles, counts.textures), (1, 960, 0));
@@ -105,11 +102,8 @@ pub struct Counts {
 /// An axis-aligned box in world space, model units.
 ///
 /// ```
-/// # use taotie::Warnings;
 /// # use taotie::inspection::Inspection;
-/// # use taotie_io::Loaded;
-/// # use taotie_engine::mesh::Mesh;
-/// # use taotie_engine::scene::{Material, Scene};
+/// # use taotie::{Loaded, Material, Mesh, Scene, Warnings};
 /// let ball = Scene::of_mesh(Mesh::sphere(2.0, 32, 16), Material::default())?;
 /// let bounds = Inspection::of(&Loaded::new(ball, Warnings::default(), "glTF")).bounds;
 /// assert_eq!(bounds.map(|bounds| bounds.size), Some([4.0; 3]));

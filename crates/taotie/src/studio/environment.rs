@@ -1,6 +1,5 @@
 //! Environment light: the built-in studio or a file, rotated, scaled, and cached after filtering.
 
-use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use taotie_engine::error::{Error, Result, Warnings};
@@ -9,7 +8,7 @@ use taotie_engine::render::EnvironmentLight;
 use taotie_engine::scene::Light;
 use taotie_engine::shade::environment::{ENVIRONMENT_VERSION, Environment, STUDIO_VERSION, studio};
 use taotie_io::parse::MOST;
-use taotie_io::{Limits, cache, decode_environment_within, read_bytes};
+use taotie_io::{Limits, cache, decode_environment_within, read_bytes, sha256_of};
 
 /// The names of the built-in studio and of the absence of an environment.
 const STUDIO: &str = "studio";
@@ -143,8 +142,7 @@ impl EnvironmentOptions {
 
 fn read(path: &Path, limits: &Limits) -> Result<Environment> {
     let bytes = read_bytes(path)?;
-    let hash: String = Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
-    cached(&hash, || decode_environment_within(&bytes, path, limits))
+    cached(&sha256_of(&bytes), || decode_environment_within(&bytes, path, limits))
 }
 
 /// Returns the filtered environment of this name from the cache; otherwise makes it from its image and caches it.

@@ -103,7 +103,7 @@ pub struct LightSpec {
 /// The form of a light fixed in the studio. Positions are in world space before the object turns.
 ///
 /// ```
-/// use taotie_engine::math::Vec3;
+/// use taotie::Vec3;
 /// use taotie::studio::{LightForm, LightSpec};
 ///
 /// let lamp: LightSpec = "point at=1,2,3".parse()?;

@@ -13,9 +13,8 @@ use taotie_io::Limits;
 /// The requested materials; by default those of the file.
 ///
 /// ```
-/// use taotie_engine::mesh::Mesh;
-/// use taotie_engine::scene::{Material, Scene};
 /// use taotie::studio::MaterialOptions;
+/// use taotie::{Material, Mesh, Scene};
 ///
 /// let mut scene = Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default())?;
 /// let bronze = MaterialOptions { material: Some("bronze".into()), ..MaterialOptions::default() };
@@ -86,9 +85,8 @@ fn point_down(scene: &mut SceneData) {
 /// relative to the file.
 ///
 /// ```
-/// use taotie_engine::mesh::Mesh;
-/// use taotie_engine::scene::{Material, Scene};
 /// use taotie::studio::MaterialFile;
+/// use taotie::{Material, Mesh, Scene};
 ///
 /// let old_bronze = MaterialFile::parse("preset = 'bronze'\nroughness = 0.6", "old_bronze.toml".as_ref())?;
 /// let mut scene = Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default())?;

@@ -9,7 +9,7 @@
 //! let bronze = MaterialOptions { material: Some("bronze".into()), ..MaterialOptions::default() };
 //! let scene = studio::load("vessel.glb".as_ref(), &bronze, &Limits::default())?.scene;
 //! let settings = RenderSettings { width: 800, height: 600, ..RenderSettings::default() };
-//! Picture { settings, ..Picture::default() }.write(&scene, "vessel.png".as_ref())?;
+//! Picture { settings, ..Picture::default() }.write(&scene, "vessel.png")?;
 //! # Ok::<(), taotie::Error>(())
 //! ```
 
@@ -19,7 +19,6 @@ mod material;
 mod motion;
 mod overrides;
 mod parameters;
-pub(crate) mod picture;
 mod viewpoint;
 
 pub use environment::{EnvironmentOptions, EnvironmentSource};

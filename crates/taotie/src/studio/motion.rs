@@ -15,7 +15,7 @@ const MOMENTS: u32 = 24;
 /// ```no_run
 /// use taotie::studio::Motion;
 ///
-/// let mut loaded = taotie_io::load_model("walking.glb".as_ref())?;
+/// let mut loaded = taotie::load_model("walking.glb")?;
 /// let motion = Motion::choose(loaded.rig.take(), Some("Walk"))?;
 /// motion.pose(&mut loaded.scene, motion.seconds() / 2.0)?;
 /// # Ok::<(), taotie::Error>(())

@@ -15,9 +15,8 @@ const MOST: f32 = 1e9;
 /// them.
 ///
 /// ```
-/// use taotie_engine::mesh::Mesh;
-/// use taotie_engine::scene::{Material, Scene};
 /// use taotie::studio::MaterialFactors;
+/// use taotie::{Material, Mesh, Scene};
 ///
 /// let mut scene = Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default())?;
 /// let polished = MaterialFactors { metallic: Some(1.0), roughness: Some(0.2), ..MaterialFactors::default() };

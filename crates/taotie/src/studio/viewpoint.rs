@@ -82,9 +82,8 @@ impl CameraOptions {
 /// The frame into which an object must fit.
 ///
 /// ```
-/// use taotie_engine::mesh::Mesh;
-/// use taotie_engine::scene::{Material, Scene};
 /// use taotie::studio::{CameraOptions, Framing, Viewpoint};
+/// use taotie::{Material, Mesh, Scene};
 ///
 /// let ball = Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default())?;
 /// let distance = |size| -> taotie::Result<f64> {
@@ -119,9 +118,8 @@ impl Framing {
 /// A camera that can be rotated about the vertical through its target.
 ///
 /// ```
-/// use taotie_engine::mesh::Mesh;
-/// use taotie_engine::scene::{Material, Scene};
 /// use taotie::studio::{CameraOptions, Framing, Viewpoint};
+/// use taotie::{Material, Mesh, Scene};
 ///
 /// let scene = Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default())?;
 /// let framing = Framing { size: [256, 256], all_around: true };
@@ -197,9 +195,8 @@ impl Viewpoint {
 /// A viewpoint while a turntable turns the object; see [`Viewpoint::at`].
 ///
 /// ```
-/// use taotie_engine::mesh::Mesh;
-/// use taotie_engine::scene::{Material, Scene};
 /// use taotie::studio::{CameraOptions, Framing, Viewpoint};
+/// use taotie::{Material, Mesh, Scene};
 ///
 /// let ball = Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default())?;
 /// let framing = Framing { size: [256, 256], all_around: false };

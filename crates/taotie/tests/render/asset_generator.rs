@@ -89,8 +89,7 @@ impl Case {
     }
 
     /// Returns the distance of `theirs` from ours under this light, and the contrast to be explained: root mean
-    /// squares in
-    /// codes.
+    /// squares in codes.
     fn residual(&self, theirs: &Picture, fit: &Fit) -> (f64, f64) {
         let (mut left, mut contrast) = (0.0, 0.0);
         for (c, factors) in fit.iter().enumerate() {

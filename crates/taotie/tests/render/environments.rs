@@ -65,8 +65,7 @@ fn ours(d: Vec3<f64>) -> Vec3<f64> {
 }
 
 /// `cmgen`'s "pre-scaled base" is irradiance over π as a polynomial 1, y, z, x, xy, yz, 3z² − 1, xz, x² − y², with
-/// each
-/// degree l damped by sinc⁴(πl/w) against ringing. The w that damps degree 1 as found must damp degree 2.
+/// each degree l damped by sinc⁴(πl/w) against ringing. The w that damps degree 1 as found must damp degree 2.
 #[test]
 fn irradiance_is_what_another_program_published() {
     for (environment, folder) in published() {

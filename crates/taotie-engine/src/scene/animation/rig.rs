@@ -110,29 +110,7 @@ impl Rig {
     pub fn into_data(self) -> RigData {
         self.data
     }
-}
 
-impl Deformed {
-    fn check(&self, data: &RigData) -> Result<()> {
-        let at = format!("deformed mesh {}", self.mesh);
-        in_range(&at, "node", self.node, data.nodes.len())?;
-        self.shape.check()?;
-        match (self.skin, &self.shape.binding) {
-            (Some(skin), Some(_)) => in_range(&at, "skin", skin, data.skins.len()),
-            (None, None) => Ok(()),
-            _ => Err(Error::invalid(at, "it needs both a skin and joint weights, or neither")),
-        }
-    }
-}
-
-fn in_range(at: &str, what: &str, index: usize, count: usize) -> Result<()> {
-    match index < count {
-        true => Ok(()),
-        false => Err(Error::invalid(at, format!("it refers to {what} {index}, but there are {count}"))),
-    }
-}
-
-impl Rig {
     /// Poses `scene` at the moment `seconds` of an animation, by index; a time outside its keyframes is clamped.
     /// Nodes that the animation does not move are at rest, whatever the earlier pose of the scene.
     ///
@@ -208,6 +186,26 @@ impl Rig {
         let mut data = deformed.shape.deformed(weights, &joints.unwrap_or_default())?;
         mesh::repair(&mut data, &mut Warnings::default());
         Mesh::new(data)
+    }
+}
+
+impl Deformed {
+    fn check(&self, data: &RigData) -> Result<()> {
+        let at = format!("deformed mesh {}", self.mesh);
+        in_range(&at, "node", self.node, data.nodes.len())?;
+        self.shape.check()?;
+        match (self.skin, &self.shape.binding) {
+            (Some(skin), Some(_)) => in_range(&at, "skin", skin, data.skins.len()),
+            (None, None) => Ok(()),
+            _ => Err(Error::invalid(at, "it needs both a skin and joint weights, or neither")),
+        }
+    }
+}
+
+fn in_range(at: &str, what: &str, index: usize, count: usize) -> Result<()> {
+    match index < count {
+        true => Ok(()),
+        false => Err(Error::invalid(at, format!("it refers to {what} {index}, but there are {count}"))),
     }
 }
 

@@ -10,15 +10,6 @@ const MOST: [usize; 2] = [1024, 512];
 /// The weight of a cell without light, relative to the mean: no direction is excluded.
 const FLOOR: f64 = 0.02;
 
-/// An increasing sequence from 0 to 1, with an index for finding its steps quickly.
-#[derive(Debug, Clone)]
-struct Rising {
-    values: Vec<f64>,
-    /// For each of N equal parts of [0, 1], the step in which it begins; N is a power of two, so that the part of a
-    /// number is exact.
-    marks: Vec<u16>,
-}
-
 /// A density over the sphere that is constant in each cell of an equirectangular grid and proportional to the maximum
 /// of filtered lookup within the cell.
 ///
@@ -96,6 +87,15 @@ fn shares_to_the_left(row: &[f64], sum: f64) -> Vec<f64> {
     }
     shares.push(1.0);
     shares
+}
+
+/// An increasing sequence from 0 to 1, with an index for finding its steps quickly.
+#[derive(Debug, Clone)]
+struct Rising {
+    values: Vec<f64>,
+    /// For each of N equal parts of [0, 1], the step in which it begins; N is a power of two, so that the part of a
+    /// number is exact.
+    marks: Vec<u16>,
 }
 
 impl Rising {

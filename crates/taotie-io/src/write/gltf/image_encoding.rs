@@ -123,8 +123,8 @@ impl LossyTexture {
     /// Encodes it with `side` texels along the longer side, at most its own size.
     ///
     /// # Errors
-    /// [`taotie_engine::Error::Invalid`] if the encoder fails; [`taotie_engine::Error::Unsupported`] without the feature `webp`, or
-    /// for float texels.
+    /// [`taotie_engine::Error::Invalid`] if the encoder fails; [`taotie_engine::Error::Unsupported`] without the
+    /// feature `webp`, or for float texels.
     pub fn encoded(&self, side: u32, codec: ImageCodec) -> Result<Vec<u8>> {
         let stored = Stored { encoding: self.encoding(), alpha: self.has_alpha, quick_webp: false };
         encode(&*self.resized(side)?, stored, codec)

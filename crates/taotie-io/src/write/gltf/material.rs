@@ -44,8 +44,8 @@ pub struct GltfMaterial<'a> {
     pub emissive_map: Option<GltfImage<'a>>,
     /// The alpha mode.
     pub alpha: AlphaMode,
-    /// A material whose layers this one shares: index of refraction, specular strength, clearcoat, anisotropy, sheen,
-    /// unlit. Their factors are written, but not their textures.
+    /// A material whose index of refraction, unlit and [`LAYERS`] this one shares: factors are written, but not
+    /// textures.
     pub layers: Option<&'a Material>,
     /// `true` if triangles are visible from both sides.
     pub double_sided: bool,
@@ -338,7 +338,7 @@ fn extension<'a>(json: &'a mut Value, name: &str) -> &'a mut Value {
 pub(super) fn layers(material: &Material) -> Vec<(&'static str, Value)> {
     let unlit = material.unlit.then(|| ("KHR_materials_unlit", json!({})));
     let ior = (material.ior != IOR).then(|| ("KHR_materials_ior", json!({ "ior": short(material.ior) })));
-    let layers = LAYERS.iter().filter(|layer| (layer.is_present)(material));
+    let layers = LAYERS.iter().filter(|layer| layer.is_present(material));
     let layers = layers.map(|layer| (layer.extension, layer_factors(layer, material)));
     unlit.into_iter().chain(ior).chain(layers).collect()
 }

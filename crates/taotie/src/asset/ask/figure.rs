@@ -185,48 +185,7 @@ impl Figure {
             Self::Bytes => (Looking::Files, "size of the asset"),
         }
     }
-}
 
-/// A unit that a limit may be written in.
-///
-/// ```
-/// use taotie::asset::{Figure, FigureUnit};
-///
-/// let FigureUnit { name, size } = Figure::Missed.unit();
-/// assert_eq!((name, 0.5 * size), ("%", 0.005));
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FigureUnit {
-    /// Its symbol.
-    pub name: &'static str,
-    /// Its size in the unit of the figure itself: 1 for degrees and bytes, 0.01 for per cent.
-    pub size: f64,
-}
-
-const fn unit(name: &'static str, size: f64) -> FigureUnit {
-    FigureUnit { name, size }
-}
-
-const DEGREES: &[FigureUnit] = &[unit("°", 1.0), unit("deg", 1.0)];
-/// The same, with the unit that is easiest to type first, as used in the names of figures.
-const WITHIN_ANGLE: &[FigureUnit] = &[unit("deg", 1.0), unit("°", 1.0)];
-const WITHIN_COLOR: &[FigureUnit] = &[unit("dE", 1.0), unit("ΔE", 1.0), unit("ΔE00", 1.0)];
-const PER_CENT: &[FigureUnit] = &[unit("%", 0.01)];
-const COLOR: &[FigureUnit] = &[unit("ΔE", 1.0), unit("ΔE00", 1.0)];
-const METRES: &[FigureUnit] = &[unit("m", 1.0)];
-const PIXELS: &[FigureUnit] = &[unit("px", 1.0)];
-const NUMBER: &[FigureUnit] = &[unit("", 1.0)];
-const BYTES: &[FigureUnit] = &[
-    unit("B", 1.0),
-    unit("kB", 1e3),
-    unit("MB", 1e6),
-    unit("GB", 1e9),
-    unit("KiB", 1024.0),
-    unit("MiB", 1_048_576.0),
-    unit("GiB", 1_073_741_824.0),
-];
-
-impl Figure {
     /// Returns the samples whose number narrows the figure's interval; `None` for figures without an interval.
     pub(in crate::asset) fn sampling(self) -> Option<Sampling> {
         match self {
@@ -295,6 +254,45 @@ impl Figure {
         }
     }
 }
+
+/// A unit that a limit may be written in.
+///
+/// ```
+/// use taotie::asset::{Figure, FigureUnit};
+///
+/// let FigureUnit { name, size } = Figure::Missed.unit();
+/// assert_eq!((name, 0.5 * size), ("%", 0.005));
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FigureUnit {
+    /// Its symbol.
+    pub name: &'static str,
+    /// Its size in the unit of the figure itself: 1 for degrees and bytes, 0.01 for per cent.
+    pub size: f64,
+}
+
+const fn unit(name: &'static str, size: f64) -> FigureUnit {
+    FigureUnit { name, size }
+}
+
+const DEGREES: &[FigureUnit] = &[unit("°", 1.0), unit("deg", 1.0)];
+/// The same, with the unit that is easiest to type first, as used in the names of figures.
+const WITHIN_ANGLE: &[FigureUnit] = &[unit("deg", 1.0), unit("°", 1.0)];
+const WITHIN_COLOR: &[FigureUnit] = &[unit("dE", 1.0), unit("ΔE", 1.0), unit("ΔE00", 1.0)];
+const PER_CENT: &[FigureUnit] = &[unit("%", 0.01)];
+const COLOR: &[FigureUnit] = &[unit("ΔE", 1.0), unit("ΔE00", 1.0)];
+const METRES: &[FigureUnit] = &[unit("m", 1.0)];
+const PIXELS: &[FigureUnit] = &[unit("px", 1.0)];
+const NUMBER: &[FigureUnit] = &[unit("", 1.0)];
+const BYTES: &[FigureUnit] = &[
+    unit("B", 1.0),
+    unit("kB", 1e3),
+    unit("MB", 1e6),
+    unit("GB", 1e9),
+    unit("KiB", 1024.0),
+    unit("MiB", 1_048_576.0),
+    unit("GiB", 1_073_741_824.0),
+];
 
 impl FigureUnit {
     /// Returns a value in this unit as text, with five digits; whole numbers with all of theirs.

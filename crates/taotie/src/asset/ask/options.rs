@@ -15,8 +15,8 @@ use taotie_io::{CodecKind, CodecSet, GltfFormat, TextureCodecs, VertexBits, XmpP
 ///
 /// ```
 /// use std::sync::Arc;
+/// use taotie::Mesh;
 /// use taotie::asset::{BakeOptions, MeshSource};
-/// use taotie_engine::mesh::Mesh;
 ///
 /// let low = MeshSource::Mesh(Arc::new(Mesh::sphere(1.0, 24, 12)));
 /// BakeOptions { low: Some(low), ..BakeOptions::default() }.check()?;

@@ -38,14 +38,6 @@ const HARD: f64 = 0.001;
 /// An asset with a larger fraction facing the opposite way than this is inside out as a whole.
 pub(in crate::asset) const INSIDE_OUT: f64 = 0.9;
 
-fn percent(part: f64) -> String {
-    format!("{:.1} %", part * 100.0)
-}
-
-fn part(of: usize, all: usize) -> f64 {
-    of as f64 / all.max(1) as f64
-}
-
 /// Refuses maps that show nothing of the scan.
 ///
 /// # Errors
@@ -298,6 +290,15 @@ pub(in crate::asset) fn inspect(scan: &Mesh, warnings: &mut Warnings) {
     warnings.note("edges of the scan where more than two triangles meet", crowded_edges);
     warnings.note("duplicate triangles of the scan", duplicates);
     warnings.note("triangles of the scan without area", flat);
+}
+
+/// Returns a fraction in per cent with one decimal.
+pub(in crate::asset) fn percent(part: f64) -> String {
+    format!("{:.1} %", part * 100.0)
+}
+
+fn part(of: usize, all: usize) -> f64 {
+    of as f64 / all.max(1) as f64
 }
 
 #[cfg(test)]

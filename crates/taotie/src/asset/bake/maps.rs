@@ -12,7 +12,7 @@ use taotie_engine::image::{Bitmap, Sampler, Texture};
 use taotie_engine::length::Unit;
 use taotie_engine::math::srgb::srgb_from_linear;
 use taotie_engine::names::Named;
-pub use taotie_engine::normal_map::{CoveredNormals, Storage, store_codes, store_rgba, store_unit_vectors};
+use taotie_engine::normal_map::{CoveredNormals, Storage, store_codes, store_rgba, store_unit_vectors};
 use taotie_engine::progress::Progress;
 use taotie_engine::scene::{GreenChannel, Material, NormalMap, NormalSpace, Scene, TextureRef, UvTransform};
 use taotie_io::{GltfImage, GltfMaterial};

@@ -8,7 +8,7 @@ mod plan;
 
 pub use asset::{Asset, Trial};
 pub(super) use asset::{Coarser, LevelLook, Made, MadeAsset, Part, Rounding};
-pub(super) use judgement::{INSIDE_OUT, refuse_astray, useless_map};
+pub(super) use judgement::{INSIDE_OUT, percent, refuse_astray, useless_map};
 pub use maps::{MapPresence, Misses, Range, SeparateMap, Textures};
 pub(super) use maps::{Recipe, StoredMaps, assign_object_map, bake_maps, labeled};
 pub use memory::MemoryEstimate;

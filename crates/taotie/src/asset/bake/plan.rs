@@ -155,7 +155,7 @@ fn lacking(asked: &BakeOptions, scan: &Carried) -> Warnings {
         let map = property.map().filter(|map| *map != MapKind::Normal);
         map.is_some_and(|map| asked.bakes(&[map])) && !scan.varies(*property)
     };
-    for property in Property::ALL.into_iter().filter(is_idle) {
+    for property in Property::all().into_iter().filter(is_idle) {
         let (what, map) = (property.name(), property.map().map_or("", MapKind::name));
         warnings.note(format!("the {map} map is uniform: the scan's {what} does not vary"), 1);
     }
@@ -196,7 +196,7 @@ mod tests {
 
     /// A scan with these properties; varying ones are on a quarter of its surface.
     fn scan(material: Material, varying: &[Property]) -> Carried {
-        let uniform = Property::ALL.into_iter().filter(|property| property.is_said(&material));
+        let uniform = Property::all().into_iter().filter(|property| property.is_said(&material));
         let uniform = uniform.map(|property| Found { property, is_uniform: true, part: 1.0 });
         let varying = varying.iter().map(|p| Found { property: *p, is_uniform: false, part: 0.25 });
         let found = uniform.chain(varying).collect();
@@ -234,12 +234,15 @@ mod tests {
     #[test]
     fn what_is_not_asked_for_is_told_with_its_share() {
         let options = BakeOptions { carry: false, ..BakeOptions::default() };
-        let plan = plan(&options, &scan(Material::default(), &[Property::Emission, Property::Sheen]));
+        let plan = plan(&options, &scan(Material::default(), &[Property::Emission, Property::Unlit]));
         assert_eq!(plan.options.maps, options.maps);
-        let left = [Property::Emission, Property::Sheen];
+        let left = [Property::Emission, Property::Unlit];
         assert_eq!(plan.left, left.map(|p| DroppedProperty { what: p.name().into(), part: 0.25 }));
         let emission = "left out: the scan's emission, on 25.0 % of its surface; bake emission to keep it\n";
-        assert_eq!(said(&plan), format!("{emission}left out: the scan's sheen, on 25.0 % of its surface\n"));
+        assert_eq!(
+            said(&plan),
+            format!("{emission}left out: the scan's unlit look, on 25.0 % of its surface\n")
+        );
     }
 
     #[test]

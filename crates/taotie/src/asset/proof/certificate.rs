@@ -9,7 +9,7 @@ use crate::asset::write::{MapNote, WrittenAsset, name_of};
 use std::path::Path;
 use taotie_engine::error::{Error, Result};
 use taotie_engine::scene::NormalSpace;
-pub use taotie_io::{Limits, StoredImage, StoredParts};
+use taotie_io::{Limits, StoredImage, StoredParts};
 
 /// The figures that a certificate states, in order, if they were measured.
 const KEY_FIGURES: [Figure; 13] = [

@@ -5,14 +5,14 @@ use super::figures::{Coverage, Figures, FitFigures, LevelFigures};
 use super::outcome::RequirementOutcome;
 use super::shown::ShownLevel;
 use crate::asset::ask::{Figure, Requirement};
-use crate::asset::bake::{INSIDE_OUT, useless_map};
-use crate::asset::source::{is_plain, used_materials};
+use crate::asset::bake::{INSIDE_OUT, percent, useless_map};
+use crate::asset::source::{Property, is_plain, used_materials};
 use taotie_engine::bake::MapKind;
 use taotie_engine::error::Warnings;
 use taotie_engine::length::{Unit, place_text, texel_text};
 use taotie_engine::names::Named;
 use taotie_engine::proof::Mismatch;
-use taotie_engine::scene::{Material, Scene, Specular};
+use taotie_engine::scene::{LAYERS, Scene, Specular};
 
 /// Shares of the area below this are noise: folds, thin cracks.
 const WORTH_A_WORD: f64 = 0.01;
@@ -121,10 +121,6 @@ fn note_coverage(coverage: &Coverage, warnings: &mut Warnings) {
         );
         warnings.note(what, 1);
     }
-}
-
-fn percent(share: f64) -> String {
-    format!("{:.1} %", share * 100.0)
 }
 
 /// A larger missed share of the surface than this causes a warning.
@@ -290,17 +286,6 @@ fn missing(coverage: &Coverage) -> Option<String> {
     (most > 0.0).then(|| texts.join(", and "))
 }
 
-/// A layer of a material: its test and its name.
-type Layer = (fn(&Material) -> bool, &'static str);
-
-/// Layers that no figure compares.
-const LAYERS: [Layer; 4] = [
-    (|m| m.clearcoat.is_some(), "clearcoat"),
-    (|m| m.sheen.is_some(), "sheen"),
-    (|m| m.anisotropy.is_some(), "anisotropy"),
-    (|m| m.specular != Specular::default() || m.ior != 1.5, "specular strength and index of refraction"),
-];
-
 /// Returns the contents of an asset's files, or of its scan, that no figure and no image compares; `poses` if one of
 /// them moves.
 pub(super) fn unseen([scan, asset]: [&Scene; 2], poses: bool) -> Vec<String> {
@@ -309,8 +294,16 @@ pub(super) fn unseen([scan, asset]: [&Scene; 2], poses: bool) -> Vec<String> {
     let poses = poses.then_some("poses: an animated asset is compared at rest");
     let has_occlusion = used_materials(asset).any(|material| material.occlusion_texture.is_some());
     let occlusion = has_occlusion.then_some("ambient occlusion, whose rays are not traced a second time");
-    let layers = LAYERS.into_iter().filter(|(has, _)| materials().any(has)).map(|(_, what)| what);
-    plain.into_iter().chain(poses).chain(occlusion).chain(layers).map(str::to_owned).collect()
+    let layer = |property: Property| match property {
+        Property::Layer(layer) => LAYERS.get(layer),
+        _ => None,
+    };
+    let layers = Property::all().into_iter().filter_map(layer);
+    let layers = layers.filter(|layer| layer.is_optional() && materials().any(|m| layer.is_present(m)));
+    let reflects = materials().any(|m| m.specular != Specular::default() || m.ior != 1.5);
+    let reflection = reflects.then_some("specular strength and index of refraction");
+    let all = plain.into_iter().chain(poses).chain(occlusion).chain(layers.map(|layer| layer.name));
+    all.chain(reflection).map(str::to_owned).collect()
 }
 
 /// Returns the maps next to an asset that are not compared with anything.
@@ -325,7 +318,7 @@ mod tests {
     use super::*;
     use taotie_engine::mesh::Mesh;
     use taotie_engine::proof::Patch;
-    use taotie_engine::scene::Sheen;
+    use taotie_engine::scene::{Clearcoat, Material};
 
     fn level() -> LevelFigures {
         let mut level = LevelFigures::default();
@@ -426,12 +419,12 @@ mod tests {
 
     #[test]
     fn what_no_figure_covers_is_named() {
-        let sheen = Sheen { color: [1.0; 3], color_texture: None, roughness: 0.5, roughness_texture: None };
+        let coat = Clearcoat { factor: 1.0, ..Clearcoat::default() };
         let plain = ball(Material::default());
-        let felt = ball(Material { sheen: Some(sheen), ..Material::default() });
+        let coated = ball(Material { clearcoat: Some(coat), ..Material::default() });
         let plainly = "colour and material, which the scan does not specify";
         assert_eq!(unseen([&plain, &plain], false), [plainly]);
-        assert_eq!(unseen([&felt, &plain], false), ["sheen"]);
+        assert_eq!(unseen([&coated, &plain], false), ["clearcoat"]);
         assert_eq!(unseen([&plain, &plain], true)[1], "poses: an animated asset is compared at rest");
         assert_eq!(unproved_maps(&[MapKind::Normal, MapKind::Height]), ["heights"]);
     }

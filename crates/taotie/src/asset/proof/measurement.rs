@@ -81,7 +81,7 @@ pub(super) fn check_options(options: &VerifyOptions) -> Result<()> {
 /// use taotie::Limits;
 ///
 /// let scan = Scan::read("scan.ply", &Limits::default(), Progress::SILENT)?;
-/// let model = taotie_io::load_model("packed.glb".as_ref())?.scene;
+/// let model = taotie::load_model("packed.glb")?.scene;
 /// let (figures, _) = measure(&model, &scan, &VerifyOptions::default(), Progress::SILENT)?;
 /// println!("{:?}", figures.finest().map(|finest| finest.hausdorff));
 /// # Ok::<(), taotie::Error>(())

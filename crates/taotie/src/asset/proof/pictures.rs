@@ -11,7 +11,7 @@ use taotie_engine::film::Development;
 use taotie_engine::math::Vec3;
 use taotie_engine::mesh::{Mesh, MeshData};
 use taotie_engine::progress::Progress;
-pub use taotie_engine::proof::{Patch, PatchQuantity, PatchView, Region, WorstRegions};
+use taotie_engine::proof::{Patch, PatchQuantity, PatchView, Region, WorstRegions};
 use taotie_engine::render::{EnvironmentLight, Lighting, RenderSettings, Renderer, Shot};
 use taotie_engine::scene::{Camera, Material, Orbit, Outline, Scene, three_point_rig};
 

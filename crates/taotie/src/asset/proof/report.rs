@@ -157,7 +157,7 @@ impl Report {
     /// Describes a written asset before its proof.
     ///
     /// # Errors
-    /// [`Error::Io`](taotie_engine::Error::Io) if the scan's file can no longer be read for its hash.
+    /// [`Error::Io`](crate::Error::Io) if the scan's file can no longer be read for its hash.
     pub fn of(written: &WrittenAsset) -> Result<Self> {
         let asset = written.asset();
         let made = &asset.made;
@@ -190,7 +190,7 @@ impl Report {
     /// Describes the proof of an asset made by any program.
     ///
     /// # Errors
-    /// [`Error::Io`](taotie_engine::Error::Io) if the scan's file cannot be read for its hash.
+    /// [`Error::Io`](crate::Error::Io) if the scan's file cannot be read for its hash.
     pub fn of_proof(asset: &Path, scan: &Scan, proof: &Proof) -> Result<Self> {
         Ok(Self {
             schema: SCHEMA,

@@ -20,7 +20,7 @@ use taotie_engine::image::{Encoding, Texture};
 use taotie_engine::length::Unit;
 use taotie_engine::mesh::Point;
 use taotie_engine::progress::Progress;
-pub use taotie_engine::proof::Footprint;
+use taotie_engine::proof::Footprint;
 use taotie_engine::scene::{NormalSpace, Scene};
 use taotie_io::{GltfSizes, GltfSource, Limits, Loaded};
 

@@ -1,8 +1,10 @@
-//! The complete search: for the smallest asset that meets a goal, or the best one within a number of bytes.
+//! The complete search: for the smallest asset that meets a goal, or the best one within a number of bytes. The size
+//! and losses of maps other than normal maps are chosen first, for all candidates made from the scan.
 
-use super::bare::{self, Bare};
+use super::bare::Bare;
+use super::encodings::Encodings;
 use super::goal::{Ceilings, Goal, Level};
-use super::workshop::{Best, Candidate, Draft, Subject, Winner, Workshop};
+use super::workshop::{Best, Candidate, Draft, Shape, Subject, Winner, Workshop};
 use super::{mapped, packed};
 use crate::asset::ask::{Requirement, requirement};
 use crate::asset::bake::{MadeAsset, Recipe, Rounding, Trial};
@@ -10,10 +12,11 @@ use crate::asset::source::{Scan, low_poly};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use taotie_engine::error::{Error, Result, Warnings};
+use taotie_engine::image::{Bitmap, Encoding};
 use taotie_engine::math::scalar::{exp, ln};
 use taotie_engine::progress::Progress;
-use taotie_engine::proof::Side;
-use taotie_io::{PackedGeometry, PackedImage};
+use taotie_engine::proof::{Relook, Side};
+use taotie_io::{ImageCodec, LossyTexture, PackedGeometry, PackedImage, TextureCodecs, VertexBits};
 
 /// The result of a search.
 pub(in crate::asset) struct Found {
@@ -147,7 +150,7 @@ fn round(workshop: &mut Workshop<'_>, progress: Progress<'_>) -> Result<Best> {
     }
     // Candidates made from the scan no longer move.
     let is_packed = best.is_mostly_textures() || (scan.about.is_rigged && best.bytes().is_finite());
-    if !is_packed && let Some(size) = bare::chosen_size(workshop, &best, progress)? {
+    if !is_packed && let Some(size) = chosen_size(workshop, &best, progress)? {
         Bare::smallest(workshop, size, &mut best, progress)?;
         mapped::smallest(workshop, size, &mut best, progress)?;
     }
@@ -162,6 +165,92 @@ fn round(workshop: &mut Workshop<'_>, progress: Progress<'_>) -> Result<Best> {
 /// Returns the bytes of a scan's files; infinite in memory.
 fn bytes_of(scan: &Scan) -> f64 {
     if scan.about.bytes > 0 { scan.about.bytes as f64 } else { f64::INFINITY }
+}
+
+/// The sizes tried for the finest level, and the triangles of the mesh they are tried on.
+const SIZES: [u32; 5] = [256, 512, 1024, 2048, 4096];
+const TRIANGLES: u32 = 8_000;
+/// If a size has more than this fraction of the colour error of the size before, it is not worth its bytes: the mesh
+/// is the cause.
+const WORTH: f64 = 0.85;
+/// The ratio of colours with a negligible loss, and the largest one that is chosen: the rest is for fewer triangles.
+const LEAST_LOSS: f64 = 0.2;
+const MOST: f64 = 0.95;
+
+/// Chooses the smallest size at which colours are close enough, and the losses of maps at it. Returns that size, 0 if
+/// there are only normal maps; `None` if these maps by themselves are larger than the best candidate. If no size is
+/// close enough, it is the one beyond which colours hardly improve.
+fn chosen_size(workshop: &mut Workshop<'_>, best: &Best, progress: Progress<'_>) -> Result<Option<u32>> {
+    if !workshop.has_other_maps() {
+        return Ok(Some(0));
+    }
+    let triangles = workshop.level().triangles(TRIANGLES).min(workshop.triangles());
+    let (level, most) = (workshop.level(), workshop.most_side());
+    let mut before: Option<(u32, f64)> = None;
+    for size in SIZES.into_iter().map(|size| level.side(size)).filter(|size| *size <= most) {
+        let shape = Shape { triangles, size, has_normal_map: false };
+        let Some(draft) = workshop.draft(shape, progress)? else { continue };
+        let trial = choose_losses(workshop, &draft)?;
+        let of_maps =
+            trial.bytes.saturating_sub(draft.mesh_bytes(VertexBits::default(), workshop.codecs().set)?);
+        if of_maps as f64 > best.bytes() {
+            return Ok(None);
+        }
+        let Some(ratio) = trial.color_ratio.filter(|ratio| *ratio > 1.0) else { return Ok(Some(size)) };
+        if before.is_some_and(|(_, known)| ratio > WORTH * known) {
+            break;
+        }
+        before = Some((size, ratio));
+    }
+    let size = before.map_or(most.min(level.side(SIZES[SIZES.len() - 1])), |(size, _)| size);
+    Ok(best.bytes().is_infinite().then_some(size))
+}
+
+/// Chooses the losses of a draft's maps, and returns the trial with them.
+fn choose_losses(workshop: &mut Workshop<'_>, draft: &Draft) -> Result<Trial> {
+    let surface = workshop.surface(draft)?;
+    let side = Side::of(&surface);
+    let look = Relook::new(&side, workshop.picture());
+    let texture = |bitmap: &Option<Bitmap>, encoding: Encoding| {
+        bitmap.as_ref().map(|bitmap| LossyTexture::new(bitmap.clone(), encoding))
+    };
+    let textures = &draft.maps.textures;
+    let (colors, numbers) =
+        (texture(&textures.color, Encoding::Srgb), texture(&textures.orm, Encoding::Linear));
+    let colors = encodings(colors.as_ref(), &look, workshop)?;
+    let numbers = encodings(numbers.as_ref(), &look, workshop)?;
+    let least = workshop.codecs().least_lossy();
+    let codec = |of: &Option<Encodings<'_>>, most: f64| -> Result<ImageCodec> {
+        let found = of.as_ref().map(|of| of.smallest_of(draft.shape.size, most)).transpose()?;
+        Ok(found.flatten().map_or(least, |found| found.codec))
+    };
+    let (near, numbers) = (codec(&colors, LEAST_LOSS)?, codec(&numbers, 1.0)?);
+    workshop.images = TextureCodecs { colors: near, normals: least, numbers };
+    let bits = VertexBits::default();
+    let exact = workshop.trial(draft, workshop.rounding(bits, least))?;
+    let Some(of_size) = exact.color_ratio.filter(|ratio| *ratio <= MOST) else { return Ok(exact) };
+    let far = codec(&colors, (MOST * MOST - of_size * of_size).sqrt().max(LEAST_LOSS))?;
+    if far == near {
+        return Ok(exact);
+    }
+    workshop.images.colors = far;
+    let lossy = workshop.trial(draft, workshop.rounding(bits, least))?;
+    if lossy.color_ratio.is_none_or(|ratio| ratio <= 1.0) {
+        return Ok(lossy);
+    }
+    workshop.images.colors = near;
+    Ok(exact)
+}
+
+/// Returns the encodings of a texture of the examined surface; `None` if there is none.
+fn encodings<'a>(
+    texture: Option<&'a LossyTexture>,
+    look: &'a Relook<'a>,
+    workshop: &Workshop<'_>,
+) -> Result<Option<Encodings<'a>>> {
+    let Some(texture) = texture else { return Ok(None) };
+    let limits = (&workshop.goal, workshop.codecs());
+    Ok(look.first(texture.encoding())?.map(|look| Encodings::new(texture, look, limits)))
 }
 
 /// The maximum number of searches, each for a goal closer to the budget.
@@ -230,7 +319,7 @@ fn within_budget(
 
 #[cfg(test)]
 mod tests {
-    use super::super::workshop::{Shape, under_map, uv_bits};
+    use super::super::workshop::{under_map, uv_bits};
     use super::*;
     use crate::asset::ask::BakeOptions;
     use crate::asset::bake::BakePlan;
@@ -238,7 +327,7 @@ mod tests {
     use taotie_engine::math::Vec3;
     use taotie_engine::math::scalar::sin;
     use taotie_engine::mesh::{Mesh, MeshData};
-    use taotie_io::{ImageCodec, Limits, VertexBits};
+    use taotie_io::Limits;
 
     /// The maximum ratio of the search's result to the smallest of the grid.
     const WITHIN: f64 = 1.05;

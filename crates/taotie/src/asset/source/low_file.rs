@@ -18,7 +18,7 @@ use taotie_engine::mesh::Mesh;
 use taotie_engine::names::Named;
 use taotie_engine::scene::{Material, NormalSpace, Scene};
 use taotie_engine::surface::with_normals;
-pub use taotie_io::{GltfFormat, GltfGraft, GltfSource, Limits};
+use taotie_io::{GltfFormat, GltfGraft, GltfSource, Limits};
 
 /// The contents of a mesh file.
 pub(super) struct Read {
@@ -102,9 +102,8 @@ pub(in crate::asset) fn root_scale(unit: Option<Unit>) -> Option<f32> {
 ///
 /// ```
 /// use taotie::asset::into_metres;
+/// use taotie::{Material, Mesh, Scene};
 /// use taotie_engine::length::Unit;
-/// use taotie_engine::mesh::Mesh;
-/// use taotie_engine::scene::{Material, Scene};
 ///
 /// let mut scan = Scene::of_mesh(Mesh::sphere(40.0, 16, 8), Material::default())?;
 /// into_metres(&mut scan, Some(Unit::Millimetre))?;

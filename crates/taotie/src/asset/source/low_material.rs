@@ -10,49 +10,6 @@ use taotie_engine::image::{Bitmap, Encoding, Sampler, TexelFilter, Texture, Wrap
 use taotie_engine::math::{Vec2, poly};
 use taotie_engine::scene::{AlphaMode, Material, Scene, TextureRef, UvTransform};
 
-/// A texture slot of a material that an asset has too, with the maps that are baked in its place.
-#[derive(Debug)]
-struct Slot {
-    /// Its name in words.
-    pub name: &'static str,
-    /// The property that it stores.
-    pub property: Property,
-    maps: &'static [MapKind],
-}
-
-/// All slots except the normal map, which is never kept.
-static SLOTS: [Slot; 4] = [
-    Slot { name: "base colour", property: Property::BaseColor, maps: &[MapKind::Albedo] },
-    Slot {
-        name: "metallic-roughness",
-        property: Property::MetallicRoughness,
-        maps: &[MapKind::Roughness, MapKind::MetallicRoughness],
-    },
-    Slot {
-        name: "occlusion",
-        property: Property::Occlusion,
-        maps: &[MapKind::Occlusion, MapKind::OcclusionMap],
-    },
-    Slot { name: "emission", property: Property::Emission, maps: &[MapKind::Emission] },
-];
-
-impl Slot {
-    /// Returns the texture that a material has in this slot.
-    pub fn texture(&self, material: &Material) -> Option<TextureRef> {
-        match self.property {
-            Property::BaseColor => material.base_color_texture,
-            Property::MetallicRoughness => material.metallic_roughness_texture,
-            Property::Occlusion => material.occlusion_texture,
-            _ => material.emissive_texture,
-        }
-    }
-
-    /// Returns true if a map is baked in its place.
-    pub fn is_baked(&self, options: &BakeOptions) -> bool {
-        options.bakes(self.maps)
-    }
-}
-
 /// The appearance of a given low-poly mesh.
 #[derive(Clone, Copy)]
 pub(in crate::asset) struct LowLook<'a> {
@@ -123,6 +80,49 @@ impl Stripped {
     }
 }
 
+/// A texture slot of a material that an asset has too, with the maps that are baked in its place.
+#[derive(Debug)]
+struct Slot {
+    /// Its name in words.
+    pub name: &'static str,
+    /// The property that it stores.
+    pub property: Property,
+    maps: &'static [MapKind],
+}
+
+/// All slots except the normal map, which is never kept.
+static SLOTS: [Slot; 4] = [
+    Slot { name: "base colour", property: Property::BaseColor, maps: &[MapKind::Albedo] },
+    Slot {
+        name: "metallic-roughness",
+        property: Property::MetallicRoughness,
+        maps: &[MapKind::Roughness, MapKind::MetallicRoughness],
+    },
+    Slot {
+        name: "occlusion",
+        property: Property::Occlusion,
+        maps: &[MapKind::Occlusion, MapKind::OcclusionMap],
+    },
+    Slot { name: "emission", property: Property::Emission, maps: &[MapKind::Emission] },
+];
+
+impl Slot {
+    /// Returns the texture that a material has in this slot.
+    pub fn texture(&self, material: &Material) -> Option<TextureRef> {
+        match self.property {
+            Property::BaseColor => material.base_color_texture,
+            Property::MetallicRoughness => material.metallic_roughness_texture,
+            Property::Occlusion => material.occlusion_texture,
+            _ => material.emissive_texture,
+        }
+    }
+
+    /// Returns true if a map is baked in its place.
+    pub fn is_baked(&self, options: &BakeOptions) -> bool {
+        options.bakes(self.maps)
+    }
+}
+
 /// Resets a property to the default material's. Without its texture, the whole surface would glow, or be metallic.
 fn reset(property: Property, material: &mut Material) {
     let unsaid = Material::default();
@@ -135,10 +135,12 @@ fn reset(property: Property, material: &mut Material) {
 
 /// Removes layers with textures, and reflectances that glTF cannot represent.
 fn layers_off(material: &mut Material) -> Vec<Property> {
-    let layers = [Property::Specular, Property::Clearcoat, Property::Sheen, Property::Anisotropy];
-    let textured = layers.into_iter().filter(|layer| layer.is_textured(material));
-    let unsaid = [Property::Reflectance, Property::Classic].into_iter().filter(|p| p.is_said(material));
-    let left: Vec<Property> = textured.chain(unsaid).collect();
+    let is_left = |property: &Property| match property {
+        Property::Layer(_) => property.is_textured(material),
+        Property::Reflectance | Property::Classic => property.is_said(material),
+        _ => false,
+    };
+    let left: Vec<Property> = Property::all().into_iter().filter(is_left).collect();
     left.iter().for_each(|property| property.copy(&Material::default(), material));
     left
 }

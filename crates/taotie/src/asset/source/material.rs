@@ -2,7 +2,7 @@
 
 use taotie_engine::bake::{MapKind, Maps};
 use taotie_engine::mesh::Mesh;
-use taotie_engine::scene::{AlphaMode, Instance, Material, Scene};
+use taotie_engine::scene::{AlphaMode, Instance, LAYERS, Material, Scene};
 
 /// The material of a scan as an asset can carry it.
 #[derive(Debug, Clone, Default)]
@@ -28,7 +28,7 @@ impl Carried {
     pub fn of(scene: &Scene) -> Self {
         let parts: Vec<Part> = scene.instances().iter().map(|instance| Part::of(scene, instance)).collect();
         let has = |property: &Property| parts.iter().any(|part| part.has(*property));
-        let properties: Vec<Property> = Property::ALL.into_iter().filter(has).collect();
+        let properties: Vec<Property> = Property::all().into_iter().filter(has).collect();
         let areas = areas(scene, &parts, &properties);
         let found = properties.into_iter().map(|property| Found {
             property,
@@ -142,10 +142,8 @@ pub(in crate::asset) enum Property {
     Occlusion,
     Emission,
     RefractiveIndex,
-    Specular,
-    Clearcoat,
-    Sheen,
-    Anisotropy,
+    /// Index into [`LAYERS`].
+    Layer(usize),
     Unlit,
     /// The reflectance at 0° and 82°.
     Reflectance,
@@ -154,24 +152,24 @@ pub(in crate::asset) enum Property {
 }
 
 impl Property {
-    /// All properties, in reporting order.
-    pub const ALL: [Self; 15] = [
-        Self::BaseColor,
-        Self::Alpha,
-        Self::NormalMap,
-        Self::HeightMap,
-        Self::MetallicRoughness,
-        Self::Occlusion,
-        Self::Emission,
-        Self::RefractiveIndex,
-        Self::Specular,
-        Self::Clearcoat,
-        Self::Sheen,
-        Self::Anisotropy,
-        Self::Unlit,
-        Self::Reflectance,
-        Self::Classic,
-    ];
+    /// Returns all properties, in reporting order: layers in the order of their textures.
+    pub fn all() -> Vec<Self> {
+        let mut all = vec![
+            Self::BaseColor,
+            Self::Alpha,
+            Self::NormalMap,
+            Self::HeightMap,
+            Self::MetallicRoughness,
+            Self::Occlusion,
+            Self::Emission,
+            Self::RefractiveIndex,
+        ];
+        let mut layers: Vec<usize> = (0..LAYERS.len()).collect();
+        layers.sort_by_key(|layer| LAYERS[*layer].textures.first());
+        all.extend(layers.into_iter().map(Self::Layer));
+        all.extend([Self::Unlit, Self::Reflectance, Self::Classic]);
+        all
+    }
 
     /// Returns its name in words.
     pub fn name(self) -> &'static str {
@@ -184,10 +182,7 @@ impl Property {
             Self::Occlusion => "occlusion texture",
             Self::Emission => "emission",
             Self::RefractiveIndex => "index of refraction",
-            Self::Specular => "specular strength",
-            Self::Clearcoat => "clearcoat",
-            Self::Sheen => "sheen",
-            Self::Anisotropy => "anisotropy",
+            Self::Layer(layer) => LAYERS[layer].name,
             Self::Unlit => "unlit look",
             Self::Reflectance => "reflectance at 0° or 82°",
             Self::Classic => "parameters of classic models",
@@ -207,18 +202,13 @@ impl Property {
         }
     }
 
-    /// Returns true if a factor can store it: if glTF has one that means the same on any uvs. The direction of
-    /// anisotropy follows the uvs.
+    /// Returns true if a factor can store it: if glTF has one that means the same on any uvs.
     pub fn has_factor(self) -> bool {
-        !matches!(
-            self,
-            Self::NormalMap
-                | Self::HeightMap
-                | Self::Occlusion
-                | Self::Anisotropy
-                | Self::Reflectance
-                | Self::Classic
-        )
+        match self {
+            Self::NormalMap | Self::HeightMap | Self::Occlusion | Self::Reflectance | Self::Classic => false,
+            Self::Layer(layer) => !LAYERS[layer].has_direction(),
+            _ => true,
+        }
     }
 
     /// Copies it, with its textures; base colour textures also contain alpha but are copied only as colours.
@@ -254,10 +244,8 @@ impl Property {
                 to.emissive_texture = from.emissive_texture;
             }
             Self::RefractiveIndex => to.ior = from.ior,
-            Self::Specular => to.specular = from.specular,
-            Self::Clearcoat => to.clearcoat = from.clearcoat.filter(|coat| coat.factor > 0.0),
-            Self::Sheen => to.sheen = from.sheen.filter(|sheen| sheen.color != [0.0; 3]),
-            Self::Anisotropy => to.anisotropy = from.anisotropy.filter(|a| a.strength > 0.0),
+            Self::Layer(layer) if (LAYERS[layer].is_visible)(from) => (LAYERS[layer].copy)(from, to),
+            Self::Layer(layer) => LAYERS[layer].remove(to),
             Self::Unlit => to.unlit = from.unlit,
             Self::Reflectance => (to.f0, to.f82) = (from.f0, from.f82),
             Self::Classic => to.classic = from.classic,
@@ -311,7 +299,7 @@ mod tests {
     use taotie_engine::image::{Bitmap, Encoding, Sampler, Texels, Texture};
     use taotie_engine::math::{Mat4, Vec3};
     use taotie_engine::mesh::MeshData;
-    use taotie_engine::scene::{Anisotropy, Clearcoat, SceneData, TextureRef, UvTransform};
+    use taotie_engine::scene::{Clearcoat, FactorValue, Layer, SceneData, TextureRef, UvTransform};
 
     /// A rectangle of this area.
     fn rectangle(area: f32) -> MeshData {
@@ -349,6 +337,10 @@ mod tests {
         Material { clearcoat: Some(coat), ..clay() }
     }
 
+    fn coat() -> Property {
+        Property::all().into_iter().find(|property| property.name() == "clearcoat").unwrap()
+    }
+
     fn of(materials: &[Material]) -> Carried {
         Carried::of(&scene(materials.to_vec()))
     }
@@ -381,7 +373,7 @@ mod tests {
         assert_eq!(carried.maps(), Maps::default().with(MapKind::Emission));
         assert_eq!(carried.material.emissive, [0.0; 3], "no factor makes everything glow");
         let carried = of(&[coated(1.0), clay()]);
-        assert_eq!(carried.found, [found(Property::Clearcoat, false, 0.25)]);
+        assert_eq!(carried.found, [found(coat(), false, 0.25)]);
         assert_eq!((carried.maps(), carried.material.clearcoat), (Maps::default(), None));
     }
 
@@ -390,7 +382,7 @@ mod tests {
         let mut data = scene(vec![coated(1.0), clay()]).into_data();
         data.instances[0].world_from_object = Mat4::scale(Vec3::new(3.0, 3.0, 1.0));
         let carried = Carried::of(&Scene::new(data).unwrap());
-        assert_eq!(carried.found, [found(Property::Clearcoat, false, 0.75)]);
+        assert_eq!(carried.found, [found(coat(), false, 0.75)]);
     }
 
     #[test]
@@ -438,10 +430,13 @@ mod tests {
     }
 
     #[test]
-    fn the_direction_of_anisotropy_is_of_its_uvs() {
-        let anisotropy = Some(Anisotropy { strength: 0.5, rotation: 0.0, texture: None });
-        let carried = of(&[Material { anisotropy, ..clay() }]);
-        assert_eq!(carried.found, [found(Property::Anisotropy, false, 1.0)]);
+    fn the_direction_of_a_layer_is_of_its_uvs() {
+        let layer = LAYERS.iter().position(Layer::has_direction).unwrap();
+        let mut material = clay();
+        (LAYERS[layer].add)(&mut material);
+        (LAYERS[layer].factors[0].set)(&mut material, FactorValue::Number(0.5));
+        let carried = of(&[material]);
+        assert_eq!(carried.found, [found(Property::Layer(layer), false, 1.0)]);
         assert_eq!(carried.material, clay());
     }
 

@@ -84,9 +84,8 @@ pub struct ScanFile {
 /// A scan: one mesh with its materials, sorted for rays once a bake needs them. Clones share all data.
 ///
 /// ```
-/// use taotie::Progress;
 /// use taotie::asset::Scan;
-/// use taotie_engine::mesh::Mesh;
+/// use taotie::{Mesh, Progress};
 ///
 /// let scan = Scan::from_mesh(Mesh::sphere(1.0, 32, 16), Progress::SILENT)?;
 /// assert_eq!(scan.mesh().triangles().len(), 960);
@@ -128,7 +127,7 @@ impl ScanFile {
     /// use taotie::asset::ScanFile;
     /// use taotie::Limits;
     ///
-    /// let loaded = taotie_io::load_model("scan.ply".as_ref())?;
+    /// let loaded = taotie::load_model("scan.ply")?;
     /// let scan = ScanFile::from_loaded(loaded, "scan.ply", &Limits::default())?.into_scan(Progress::SILENT)?;
     /// # Ok::<(), taotie::Error>(())
     /// ```

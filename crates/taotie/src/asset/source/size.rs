@@ -2,11 +2,11 @@
 //! detail.
 
 use super::material::is_plain;
-pub use taotie_engine::bake::{Maps, lacks_tangents, texel_width};
+use taotie_engine::bake::{Maps, lacks_tangents, texel_width};
 use taotie_engine::image::Texture;
 use taotie_engine::math::scalar;
 use taotie_engine::mesh::Mesh;
-pub use taotie_engine::proof::{Footprint, edges};
+use taotie_engine::proof::{Footprint, edges};
 use taotie_engine::scene::{Instance, Scene};
 use taotie_engine::surface::tangent_bytes;
 

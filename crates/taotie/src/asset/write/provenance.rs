@@ -61,9 +61,9 @@ impl ScanOptions {
 /// unknown unit; `None` if unknown.
 ///
 /// ```
+/// use taotie::Loaded;
 /// use taotie::asset::model_unit;
 /// use taotie_engine::length::Unit;
-/// use taotie_io::Loaded;
 ///
 /// assert_eq!(model_unit(&Loaded { format: "GLB", ..Loaded::default() }), Some(Unit::Metre));
 /// assert_eq!(model_unit(&Loaded { format: "STL", ..Loaded::default() }), None);

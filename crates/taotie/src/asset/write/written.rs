@@ -14,7 +14,7 @@ use taotie_engine::image::Encoding;
 use taotie_engine::names::Named;
 use taotie_engine::progress::Progress;
 use taotie_engine::scene::{AlphaMode, GreenChannel};
-pub use taotie_io::{
+use taotie_io::{
     EncodedModel, FileBytes, FileSet, GltfAsset, GltfFormat, GltfGraft, GltfImage, GltfMaterial, GltfSource,
     GraftedMaterial, ImageCodec, Json, Limits, TextureCodecs,
 };
@@ -51,9 +51,9 @@ impl Asset {
     /// The listener receives the stage `write`.
     ///
     /// # Errors
-    /// [`Error::Cancelled`](taotie_engine::Error::Cancelled); those of [`taotie_io::write_gltf`];
-    /// [`Error::Invalid`](taotie_engine::Error::Invalid) for standalone maps with generated uvs or the packing of a model;
-    /// [`Error::Io`](taotie_engine::Error::Io) if the scan's file or that of the XMP properties can no longer be read.
+    /// [`Error::Cancelled`](crate::Error::Cancelled); those of [`taotie_io::write_gltf`];
+    /// [`Error::Invalid`](crate::Error::Invalid) for standalone maps with generated uvs or the packing of a model;
+    /// [`Error::Io`](crate::Error::Io) if the scan's file or that of the XMP properties can no longer be read.
     pub fn write(
         &self,
         path: impl AsRef<Path>,
@@ -67,7 +67,7 @@ impl Asset {
     /// as a report of [`WrittenAsset::verify`], when the caller commits it.
     ///
     /// # Errors
-    /// Those of [`Asset::write`], and [`Error::Invalid`](taotie_engine::Error::Invalid) if an input file would be
+    /// Those of [`Asset::write`], and [`Error::Invalid`](crate::Error::Invalid) if an input file would be
     /// overwritten.
     pub fn write_in(
         &self,

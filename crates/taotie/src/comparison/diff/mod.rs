@@ -4,9 +4,9 @@
 //! between them, without texels that have alpha 0 or no unit vector.
 //!
 //! ```
-//! use taotie::Progress;
 //! use taotie::comparison::diff::{DiffOptions, ImagePair, NamedBitmap};
-//! use taotie_engine::image::{Bitmap, Texels};
+//! use taotie::{Bitmap, Progress};
+//! use taotie_engine::image::Texels;
 //!
 //! # fn main() -> taotie::Result<()> {
 //! let grey = |code: u8| Bitmap::new(16, 16, 1, Texels::U8(vec![[code, code, code, 255]; 256]));
@@ -98,8 +98,8 @@ pub enum Encoding {
 /// Options of a comparison of two images.
 ///
 /// ```
+/// use taotie::Vec3;
 /// use taotie::comparison::diff::{DiffOptions, Metric};
-/// use taotie_engine::math::Vec3;
 ///
 /// let grey = Vec3::splat(0.2);
 /// let options = DiffOptions { metric: Some(Metric::Flip), background: grey, ..DiffOptions::default() };

@@ -32,7 +32,8 @@ pub struct NamedBitmap<'a> {
 /// ```
 /// use taotie::comparison::diff::{DiffOptions, ImagePair, NamedBitmap};
 ///
-/// # use taotie_engine::image::{Bitmap, Texels};
+/// # use taotie::Bitmap;
+/// # use taotie_engine::image::Texels;
 /// # let grey = |code: u8| Bitmap::new(16, 16, 1, Texels::U8(vec![[code, code, code, 255]; 256]));
 /// # let (black, white) = (grey(0)?, grey(255)?);
 /// # let a = NamedBitmap { name: "black.png", bitmap: &black };
@@ -99,7 +100,8 @@ impl ImagePair {
     /// ```
     /// use taotie::comparison::diff::{DiffOptions, ImagePair, NamedBitmap};
     ///
-    /// # use taotie_engine::image::{Bitmap, Texels};
+    /// # use taotie::Bitmap;
+    /// # use taotie_engine::image::Texels;
     /// # let bitmap = Bitmap::new(16, 16, 1, Texels::U8(vec![[0, 0, 0, 255]; 256]))?;
     /// let image = NamedBitmap { name: "black.png", bitmap: &bitmap };
     /// let need = ImagePair::bytes([image, image], &DiffOptions::default())?;
@@ -126,7 +128,8 @@ impl ImagePair {
     /// ```
     /// use taotie::comparison::diff::ImagePair;
     ///
-    /// # use taotie_engine::image::{Bitmap, Texels};
+    /// # use taotie::Bitmap;
+    /// # use taotie_engine::image::Texels;
     /// let bitmap = Bitmap::new(16, 16, 1, Texels::U8(vec![[0, 0, 0, 255]; 256]))?;
     /// assert_eq!(ImagePair::least_bytes(&bitmap), 256 * (4 + 4 + 40));
     /// # Ok::<(), taotie::Error>(())
@@ -191,9 +194,10 @@ fn normal_encodings(
 /// Guesses how an image stores normals, by their length; `None` if it does not look like a normal map.
 ///
 /// ```
-/// use taotie_engine::compare::NormalEncoding;
+/// use taotie::Bitmap;
 /// use taotie::comparison::diff::guessed_encoding;
-/// use taotie_engine::image::{Bitmap, Texels};
+/// use taotie_engine::compare::NormalEncoding;
+/// use taotie_engine::image::Texels;
 ///
 /// let codes = Bitmap::new(2, 2, 3, Texels::U8(vec![[128, 128, 255, 255]; 4]))?;
 /// let vectors = Bitmap::new(2, 2, 3, Texels::F32(vec![[0.0, 0.0, 1.0, 1.0]; 4]))?;

@@ -2,10 +2,9 @@
 //!
 //! ```no_run
 //! use taotie::inspection::{Audit, AuditSchema};
-//! use taotie_io;
 //!
 //! let schema = AuditSchema::parse(&taotie_io::read_bytes("schema.json".as_ref())?, "schema.json")?;
-//! let audit = Audit::of(&taotie_io::load_model("vase.glb".as_ref())?, &schema, None)?;
+//! let audit = Audit::of(&taotie::load_model("vase.glb")?, &schema, None)?;
 //! for failed in audit.failed() {
 //!     println!("{:?}: {}", failed.name, failed.message);
 //! }
@@ -461,7 +460,7 @@ mod tests {
                      "gutterWidth": { "resolution256": 2 } }"#;
         let audit = |name: &str| {
             let path = format!("{}/../../tests/data/meshes/{name}", env!("CARGO_MANIFEST_DIR"));
-            Audit::of(&load_model(path.as_ref()).unwrap(), &schema(text), None).unwrap()
+            Audit::of(&load_model(path).unwrap(), &schema(text), None).unwrap()
         };
         let plain = audit("patch.glb");
         let tested = plain.checks.iter().filter(|result| result.status != CheckStatus::NotTested).count();

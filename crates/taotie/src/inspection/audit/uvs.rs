@@ -11,19 +11,6 @@ use taotie_engine::parallel;
 use taotie_engine::scene::Scene;
 use taotie_engine::surface::uv_islands;
 
-/// The extent of uvs and the triangles that are mirrored.
-struct Uvs {
-    least: [f32; 2],
-    greatest: [f32; 2],
-    inverted: usize,
-}
-
-impl Default for Uvs {
-    fn default() -> Self {
-        Self { least: [f32::INFINITY; 2], greatest: [f32::NEG_INFINITY; 2], inverted: 0 }
-    }
-}
-
 /// Checks uv set 0 of all meshes.
 ///
 /// # Errors
@@ -43,6 +30,19 @@ pub(super) fn results(scene: &Scene, schema: &UvSchema) -> Result<Vec<CheckResul
         overlap(&meshes, schema.require_not_overlapping)?,
         gutter(&meshes, schema.gutter_width.widest())?,
     ])
+}
+
+/// The extent of uvs and the triangles that are mirrored.
+struct Uvs {
+    least: [f32; 2],
+    greatest: [f32; 2],
+    inverted: usize,
+}
+
+impl Default for Uvs {
+    fn default() -> Self {
+        Self { least: [f32::INFINITY; 2], greatest: [f32::NEG_INFINITY; 2], inverted: 0 }
+    }
 }
 
 impl Uvs {

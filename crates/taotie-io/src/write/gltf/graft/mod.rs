@@ -89,8 +89,8 @@ impl From<Vec<FileBytes>> for EncodedModel {
 /// in the warnings.
 ///
 /// # Errors
-/// [`taotie_engine::Error::Io`] and [`taotie_engine::Error::Parse`] if the source cannot be read, [`taotie_engine::Error::Limit`] if it
-/// exceeds a limit; otherwise as [`encode_gltf`](crate::encode_gltf).
+/// [`taotie_engine::Error::Io`] and [`taotie_engine::Error::Parse`] if the source cannot be read,
+/// [`taotie_engine::Error::Limit`] if it exceeds a limit; otherwise as [`encode_gltf`](crate::encode_gltf).
 pub fn encode_graft(path: &Path, graft: &GltfGraft, format: &GltfFormat) -> Result<EncodedModel> {
     let storage = match Container::of(path)? {
         Container::Glb => Storage::Inside,
@@ -334,10 +334,10 @@ mod tests {
     #[test]
     fn what_nothing_names_goes() {
         let mut json = json!({
-            "extensionsUsed": ["KHR_materials_sheen"],
+            "extensionsUsed": ["KHR_materials_clearcoat"],
             "materials": [
                 { "normalTexture": { "index": 2 } },
-                { "extensions": { "KHR_materials_sheen": { "sheenColorTexture": { "index": 3 } } } },
+                { "extensions": { "KHR_materials_clearcoat": { "clearcoatTexture": { "index": 3 } } } },
             ],
             "textures": [{ "source": 0 }, { "source": 1 }, { "source": 1 }, { "source": 2 }],
             "images": [{ "bufferView": 0 }, { "bufferView": 2 }, { "uri": "a.png" }],
@@ -350,8 +350,8 @@ mod tests {
         assert_eq!(json["bufferViews"], json!(["image", "numbers", "sparse"]));
         assert_eq!(json["accessors"][0]["sparse"]["values"]["bufferView"], 2);
         assert_eq!(json["materials"][0]["normalTexture"]["index"], 0);
-        let sheen = "/materials/1/extensions/KHR_materials_sheen/sheenColorTexture/index";
-        assert_eq!(json.pointer(sheen), Some(&json!(1)));
+        let coat = "/materials/1/extensions/KHR_materials_clearcoat/clearcoatTexture/index";
+        assert_eq!(json.pointer(coat), Some(&json!(1)));
     }
 
     #[test]

@@ -18,19 +18,20 @@ use serde_json::{Map, Value, json};
 use std::sync::Arc;
 use taotie_engine::error::{Error, Result};
 use taotie_engine::image::{Bitmap, Encoding};
+use taotie_engine::scene::LAYERS;
 
 /// A glTF file that can be packed in several ways. Tangents that no material reads are dropped. Meshes packed by an
 /// extension are copied unchanged; so are images that cannot be decoded, are KTX2, or have a use that is not rendered
 /// here.
 ///
 /// ```
-/// use taotie_io::{self, GltfPacker, GltfSource, Limits, PackedGeometry};
+/// use taotie_io::{GltfPacker, GltfSource, Limits, PackedGeometry};
 /// use taotie_engine::mesh::Mesh;
 /// use taotie_engine::scene::{Material, Scene};
 /// use taotie_engine::Warnings;
 ///
 /// let ball = Scene::of_mesh(Mesh::sphere(1.0, 64, 32), Material::default())?;
-/// let file = io::encode_scene(&ball, &[], &mut Warnings::default())?;
+/// let file = taotie_io::encode_scene(&ball, &[], &mut Warnings::default())?;
 /// let packer = GltfPacker::open(GltfSource::Glb(&file), &Limits::default())?;
 /// let packed = packer.encode(PackedGeometry { kept: 0.5, ..PackedGeometry::default() }, &[])?;
 /// assert!(packed.len() < file.len() / 5);
@@ -163,11 +164,14 @@ fn is_alone(json: &Value) -> bool {
     primitives.sum::<usize>() == 1 && shown == 1
 }
 
-/// Drops the tangents of primitives whose material does not use them: it has neither a normal map nor anisotropy.
+/// Drops the tangents of primitives whose material does not use them: it has neither a normal map nor a layer with a
+/// direction.
 fn drop_unread_tangents(json: &mut Value) {
+    let directed = LAYERS.iter().filter(|layer| layer.has_direction()).map(|layer| layer.extension);
+    let readers: Vec<&str> = directed.chain(["ormalTexture\""]).collect();
     let reads = |material: &Value| {
         let text = material.to_string();
-        ["ormalTexture\"", "KHR_materials_anisotropy"].iter().any(|name| text.contains(name))
+        readers.iter().any(|name| text.contains(name))
     };
     let reads: Vec<bool> = edit::items(json, "materials").iter().map(reads).collect();
     let primitives = edit::items_mut(json, "meshes").flat_map(|mesh| edit::items_mut(mesh, "primitives"));

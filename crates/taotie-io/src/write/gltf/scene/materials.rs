@@ -75,11 +75,7 @@ impl Writer<'_> {
     /// normal map.
     fn texture_use(&mut self, role: TextureRole, material: &Material) -> Option<TextureInfo> {
         let used = role.of(material)?;
-        let map = match role {
-            TextureRole::Normal => material.normal.as_ref(),
-            TextureRole::ClearcoatNormal => material.clearcoat.as_ref()?.normal.as_ref(),
-            _ => None,
-        };
+        let map = role.normal_map(material);
         if map.is_some_and(|map| map.space == NormalSpace::Object) {
             self.note("object-space normal maps, which glTF does not support", 1);
             return None;
@@ -90,9 +86,7 @@ impl Writer<'_> {
         self.note("sheared texture uvs, which glTF does not support", usize::from(info.is_sheared()));
         Some(info)
     }
-}
 
-impl Writer<'_> {
     /// Returns the index of a texture in the document; its green channel is `turned` if it points down.
     fn texture(&mut self, used: &TextureRef, turned: bool) -> usize {
         let image = number(&mut self.textures.images, ImageUse { texture: used.texture, turned });

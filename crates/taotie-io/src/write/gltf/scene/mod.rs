@@ -47,9 +47,9 @@ pub struct WrittenScene {
 ///
 /// ```no_run
 /// use std::path::Path;
-/// use taotie_io::{self, GltfFormat};
-/// let loaded = io::load_model(Path::new("jug.obj"))?;
-/// let written = io::write_scene(Path::new("jug.glb"), &loaded.scene, &GltfFormat::default())?;
+/// use taotie_io::GltfFormat;
+/// let loaded = taotie_io::load_model(Path::new("jug.obj"))?;
+/// let written = taotie_io::write_scene(Path::new("jug.glb"), &loaded.scene, &GltfFormat::default())?;
 /// for (what, count) in written.warnings.iter() {
 ///     println!("{what}: {count}");
 /// }
@@ -294,18 +294,7 @@ impl Writer<'_> {
         self.show(placed(shown, world)?);
         Ok(())
     }
-}
 
-/// Returns `true` if the axes are not at right angles. Source: glTF 2.0, 3.5.3, which requires decomposable matrices.
-fn is_sheared(m: &Mat4) -> bool {
-    let pair = |a: usize, b: usize| {
-        let (a, b) = (m.axis(a), m.axis(b));
-        a.dot(b).abs() > SQUARE * a.length() * b.length()
-    };
-    pair(0, 1) || pair(1, 2) || pair(2, 0)
-}
-
-impl Writer<'_> {
     /// Writes the lights.
     fn lights(&mut self) -> Result<()> {
         let lights = self.scene.lights();
@@ -338,6 +327,15 @@ impl Writer<'_> {
         }
         Ok(())
     }
+}
+
+/// Returns `true` if the axes are not at right angles. Source: glTF 2.0, 3.5.3, which requires decomposable matrices.
+fn is_sheared(m: &Mat4) -> bool {
+    let pair = |a: usize, b: usize| {
+        let (a, b) = (m.axis(a), m.axis(b));
+        a.dot(b).abs() > SQUARE * a.length() * b.length()
+    };
+    pair(0, 1) || pair(1, 2) || pair(2, 0)
 }
 
 fn light(light: &Light) -> Value {

@@ -1,7 +1,6 @@
 //! A picture of a scene in one call.
 
-use super::lights::LightOptions;
-use super::viewpoint::{CameraOptions, Framing, View, Viewpoint};
+use crate::studio::{CameraOptions, Framing, LightOptions, View, Viewpoint};
 use std::path::Path;
 use std::sync::Arc;
 use taotie_engine::error::Result;
@@ -30,7 +29,7 @@ pub struct Picture {
     pub camera: CameraOptions,
     /// The lights and the ambient light.
     pub lights: LightOptions,
-    /// The environment light, from [`EnvironmentOptions::load`](super::EnvironmentOptions::load).
+    /// The environment light, from [`EnvironmentOptions::load`](crate::studio::EnvironmentOptions::load).
     pub environment: Option<EnvironmentLight>,
     /// The size, the shading model and the rest of the renderer's settings.
     pub settings: RenderSettings,
@@ -39,7 +38,7 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// Renders a scene in linear light.
+    /// Renders a scene; returns it in linear light.
     ///
     /// # Errors
     /// As [`Viewpoint::choose`] and [`render`](taotie_engine::render::render).
@@ -55,12 +54,12 @@ impl Picture {
     ///
     /// # Errors
     /// As [`Picture::render`] and [`write_image`](taotie_io::write_image).
-    pub fn write(&self, scene: &Scene, path: &Path) -> Result<()> {
+    pub fn write(&self, scene: &Scene, path: impl AsRef<Path>) -> Result<()> {
         let image = self.render(scene)?.color;
-        taotie_io::write_image(path, &image, &self.development, ImageFormat::Png8)
+        taotie_io::write_image(path.as_ref(), &image, &self.development, ImageFormat::Png8)
     }
 
-    /// Renders a scene and develops it to 8-bit sRGB with straight alpha. A scene that is already shared is not copied.
+    /// Renders a scene; returns it developed, in 8-bit sRGB with straight alpha.
     ///
     /// # Errors
     /// As [`Picture::render`].

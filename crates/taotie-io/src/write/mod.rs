@@ -1,4 +1,4 @@
-//! Writes images and reports to files, which appear together once all of them are complete.
+//! Writes models, images and sets of files.
 
 mod animated_image;
 #[cfg(feature = "exr")]
