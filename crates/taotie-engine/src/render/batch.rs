@@ -7,6 +7,7 @@ use crate::math::{MOST_LANES, Pack, Quads, Vec3};
 use crate::pixel::Texel;
 use crate::shade::dfg::Dfg;
 use crate::shade::environment::{EnvironmentLookup, LookupDirections};
+use arrayvec::ArrayVec;
 use std::slice::from_mut;
 
 /// Fragments of one draw between interpolation and film, those of a triangle together. Each stage has separate
@@ -69,6 +70,10 @@ pub(super) struct TexelColumns {
     pub lookups: Lookups,
     /// Columns for the channels of textures that are not needed.
     pub spare: [Column; 4],
+    /// The groups of [`texel_columns`] to fill in each batch of a draw: ranges of their indices.
+    pub groups: ArrayVec<[usize; 2], TEXELS>,
+    /// Roughness, and the clearcoat's, before subpixel detail widens them.
+    pub roughness: [Column; 2],
     /// The first triangle of the draw whose constants fill the columns without textures; none while the content is
     /// undefined.
     pub constants_of: Option<u32>,
@@ -96,23 +101,28 @@ pub(super) struct MaterialColumns {
     pub variance: Column,
 }
 
+/// The number of texels that have columns.
+pub(super) const TEXELS: usize = 17;
+
 /// The columns that take the texels of materials, times their factors, those of a texture together.
+#[inline]
 pub(super) fn texel_columns<'b>(
     material: &'b mut MaterialColumns,
     layers: &'b mut Layers,
-) -> [(Texel, &'b mut [Column]); 17] {
+    [roughness, coat_roughness]: &'b mut [Column; 2],
+) -> [(Texel, &'b mut [Column]); TEXELS] {
     let [red, green] = &mut layers.anisotropy_texel;
     [
         (Texel::BaseColor, &mut material.tint[..]),
         (Texel::Alpha, from_mut(&mut material.alpha)),
         (Texel::Emissive, &mut material.emissive[..]),
         (Texel::Metallic, from_mut(&mut material.metallic)),
-        (Texel::Roughness, from_mut(&mut material.roughness)),
+        (Texel::Roughness, from_mut(roughness)),
         (Texel::Occlusion, from_mut(&mut material.occlusion)),
         (Texel::Specular, from_mut(&mut material.specular)),
         (Texel::SpecularColor, &mut material.specular_color[..]),
         (Texel::Clearcoat, from_mut(&mut layers.coat)),
-        (Texel::ClearcoatRoughness, from_mut(&mut layers.coat_roughness)),
+        (Texel::ClearcoatRoughness, from_mut(coat_roughness)),
         (Texel::ClearcoatNormal, &mut layers.coat_map[..]),
         (Texel::ClearcoatVariance, from_mut(&mut layers.coat_variance)),
         (Texel::SheenColor, &mut layers.sheen_color[..]),
@@ -221,6 +231,8 @@ impl Batch {
             texels: TexelColumns {
                 lookups: Lookups::default(),
                 spare: [ZERO; 4],
+                groups: ArrayVec::new(),
+                roughness: [ZERO; 2],
                 constants_of: None,
                 map: ZERO3,
                 dh_du: ZERO,

@@ -96,18 +96,32 @@ impl Interpolation<'_> {
     }
 
     /// Reads the texels of the material's values, and multiplies them by their factors. Without a texture, a column
-    /// contains the factor; it is filled if `fresh`, or if [`Self::finish`] has changed it.
+    /// contains the factor; it is filled if `fresh`, or if vertex colours have changed it.
     fn read_texels(&self, batch: &mut Batch, fresh: bool) {
         let (material, len) = (self.draw.material, batch.len);
-        let (packed, colored) = (has_packed_occlusion(material), !self.draw.mesh.colors().is_empty());
+        let packed = has_packed_occlusion(material);
+        let texture = |texel: Texel| texel.role(packed).and_then(|role| role.of(material));
         let at = Coordinates { sets: &batch.points.uv_sets, len };
-        let TexelColumns { lookups, spare, .. } = &mut batch.texels;
-        let mut all = texel_columns(&mut batch.material, &mut batch.layers);
-        for read in all.chunk_by_mut(|a, b| a.0.role(packed) == b.0.role(packed)) {
-            let texture = read[0].0.role(packed).and_then(|role| role.of(material));
+        let colored = !self.draw.mesh.colors().is_empty();
+        let changes = |texel: Texel| colored && matches!(texel, Texel::BaseColor | Texel::Alpha);
+        let TexelColumns { lookups, spare, groups, roughness, .. } = &mut batch.texels;
+        if !fresh && groups.is_empty() {
+            return;
+        }
+        let mut all = texel_columns(&mut batch.material, &mut batch.layers, roughness);
+        if fresh {
+            groups.clear();
+            for group in all.chunk_by(|a, b| a.0.role(packed) == b.0.role(packed)) {
+                let start = groups.last().map_or(0, |[_, end]| *end);
+                groups.push([start, start + group.len()]);
+            }
+        }
+        for [start, end] in groups.iter().copied() {
+            let group = &mut all[start..end];
+            let texture = texture(group[0].0);
             if let Some(texture) = texture {
                 let mut channels = spare.each_mut();
-                for (texel, columns) in read.iter_mut() {
+                for (texel, columns) in group.iter_mut() {
                     let places = channels[texel.first_channel()..].iter_mut();
                     for (place, column) in places.zip(columns.iter_mut()) {
                         *place = column;
@@ -115,21 +129,23 @@ impl Interpolation<'_> {
                 }
                 lookups.read(self.texture(texture), at, channels);
             }
-            for (texel, columns) in read {
-                let is_changed = match texel {
-                    Texel::BaseColor | Texel::Alpha => colored,
-                    Texel::Roughness | Texel::ClearcoatRoughness => true,
-                    _ => false,
-                };
+            for (texel, columns) in group {
                 let factors = texel.factor(material).into_iter().flatten();
                 for (column, factor) in columns.iter_mut().zip(factors) {
                     match texture {
                         Some(_) if factor != 1.0 => scale(column, factor, len),
-                        None if fresh || is_changed => column.fill(factor),
+                        None if fresh || changes(*texel) => column.fill(factor),
                         _ => {}
                     }
                 }
             }
+        }
+        if fresh {
+            // Constants that stay are valid for all batches of the draw.
+            groups.retain(|[start, end]| {
+                let mut group = all[*start..*end].iter();
+                group.any(|(texel, _)| texture(*texel).is_some() || changes(*texel))
+            });
         }
     }
 
@@ -165,13 +181,15 @@ impl Interpolation<'_> {
         let map = self.draw.normal_source.normal_map();
         let hidden = self.hidden::<P>(batch.lanes(token, i), map, &batch.texels.normal_variance);
         hidden.variance().store(&mut batch.material.variance[i..]);
-        if self.takes_roughness {
-            widen(token, hidden, &mut batch.material.roughness, i);
-        }
+        let [roughness, coat_roughness] = &batch.texels.roughness;
+        let roughness = load(token, roughness, i);
+        let value = if self.takes_roughness { widened_by(token, hidden, roughness) } else { roughness };
+        value.store(&mut batch.material.roughness[i..]);
         if let Some(coat) = &self.draw.material.clearcoat {
             let map = coat.normal.as_ref();
             let hidden = self.hidden::<P>(batch.lanes(token, i), map, &batch.layers.coat_variance);
-            widen(token, hidden, &mut batch.layers.coat_roughness, i);
+            let roughness = load(token, coat_roughness, i);
+            widened_by(token, hidden, roughness).store(&mut batch.layers.coat_roughness[i..]);
         }
     }
 
@@ -195,11 +213,12 @@ impl Interpolation<'_> {
     }
 }
 
-/// Widens the roughness of the pack from entry `i` onwards, if any of its fragments has subpixel detail.
+/// Returns the roughness widened by subpixel detail; as it is if no fragment of the pack has any.
 #[inline(always)]
-fn widen<P: Pack>(token: P::Token, hidden: SubPixelVariance<P>, roughness: &mut Column, i: usize) {
-    if P::splat(token, 0.0).lt(hidden.variance()).any() {
-        hidden.widened(load(token, roughness, i)).store(&mut roughness[i..]);
+fn widened_by<P: Pack>(token: P::Token, hidden: SubPixelVariance<P>, roughness: P) -> P {
+    match P::splat(token, 0.0).lt(hidden.variance()).any() {
+        true => hidden.widened(roughness),
+        false => roughness,
     }
 }
 

@@ -153,11 +153,11 @@ pub struct PictureReport {
 /// The figures of the difference of two developed images.
 ///
 /// ```
-/// use taotie::comparison::{PictureFigures, PictureReport};
+/// use taotie::comparison::PictureFigures;
 ///
 /// /// Returns `true` if an image equals the expected one to the last code.
-/// fn is_equal(picture: &PictureReport) -> bool {
-///     picture.difference.as_ref().is_some_and(|figures: &PictureFigures| figures.psnr.is_none())
+/// fn is_equal(difference: &PictureFigures) -> bool {
+///     difference.psnr.is_none()
 /// }
 /// ```
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
