@@ -38,12 +38,12 @@ fn open_exr_names_its_feature() {
 #[test]
 fn required_extensions_name_their_feature() {
     let draco = ("draco", cfg!(feature = "draco"));
-    assert_said("Draco", load_model(&own("meshes/patch-draco-sequential.glb")), draco);
+    assert_said("Draco", load_model(own("meshes/patch-draco-sequential.glb")), draco);
 }
 
 /// Formats without a feature are read in every build.
 #[test]
 fn the_rest_is_read_always() {
-    assert!(load_model(&own("meshes/patch.glb")).is_ok());
+    assert!(load_model(own("meshes/patch.glb")).is_ok());
     assert!(read_bitmap(&own("pictures/waves.png")).is_ok());
 }

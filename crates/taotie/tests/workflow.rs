@@ -573,7 +573,7 @@ fn a_search_may_have_levels_of_detail_without_a_map() {
 fn maps_are_available_without_files() {
     let options =
         BakeOptions { maps: vec![MapKind::Normal, MapKind::Occlusion, MapKind::Height], ..options() };
-    let asset = Baker::new(options).bake(&small(), Progress::SILENT).unwrap();
+    let asset = Baker::new(options).bake(small(), Progress::SILENT).unwrap();
     let MapPresence { occlusion, roughness, .. } = asset.textures().has;
     assert!(occlusion && !roughness, "the scan has no roughness");
     let [height]: &[SeparateMap; 1] = asset.textures().separate.as_slice().try_into().unwrap();

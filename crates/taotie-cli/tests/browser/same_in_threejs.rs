@@ -107,7 +107,7 @@ fn the_vessel_looks_the_same() {
 fn assert_same_outline(node: &Node, folder: &Path, orbit: &Orbit) {
     let (size, covered) = ([512, 512], |texels: Vec<[u8; 4]>| texels.into_iter().map(|[.., a]| a > 127));
     let theirs = by_model_viewer(node, folder, orbit, size);
-    let scene = load_model(&folder.join("model.glb")).unwrap().scene;
+    let scene = load_model(folder.join("model.glb")).unwrap().scene;
     let camera = orbit.camera(scene.bounds().unwrap().diagonal() / 2.0);
     let settings = RenderSettings { width: size[0], height: size[1], ..RenderSettings::default() };
     let lighting = Lighting::default();
@@ -164,7 +164,7 @@ fn what_bake_writes_looks_the_same() {
         .output()
         .unwrap();
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
-    let scene = load_model(&folder.join("model.glb")).unwrap().scene;
+    let scene = load_model(folder.join("model.glb")).unwrap().scene;
     let mut orbit = orbit(&scene);
     orbit.distance = fitting_distance(&orbit, 1.0, 0.9, scene.corners());
     assert_same(&node, &folder, &view(&scene, &orbit), 0.0086);

@@ -118,7 +118,7 @@ pub fn rendered(
     settings: RenderSettings,
     environment: Option<EnvironmentLight>,
 ) -> Vec<[u8; 4]> {
-    let scene = load_model(&folder.join("model.glb")).unwrap().scene;
+    let scene = load_model(folder.join("model.glb")).unwrap().scene;
     let kind = LightKind::Directional { direction: view.direction };
     let light =
         Light { name: String::new(), kind, color: Vec3::splat(view.irradiance), falloff: Falloff::None };

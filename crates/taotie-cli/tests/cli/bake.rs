@@ -217,7 +217,7 @@ fn maps_stand_where_they_say_and_mean_what_they_say() {
     let names: Vec<&str> =
         report["maps"].as_array().unwrap().iter().filter_map(|m| m["map"].as_str()).collect();
     assert_eq!(names, ["normal", "albedo", "ao", "roughness", "bent", "height", "curvature"]);
-    let scene = load_model(&place.path("out.glb")).unwrap().scene;
+    let scene = load_model(place.path("out.glb")).unwrap().scene;
     let orm = scene.materials()[0].metallic_roughness_texture.expect("it has one").texture;
     let [occlusion, roughness, ..] = scene.textures()[orm].bitmap().stored(64 * 128 + 64);
     assert!(occlusion > 0.99, "nothing occludes a ball: {occlusion}");
@@ -505,7 +505,7 @@ wrote out.glb
 #[test]
 fn rights_of_the_scan_are_kept_and_its_history_goes_on() {
     let place = pair();
-    let loaded = load_model(&place.path("scan.obj")).unwrap();
+    let loaded = load_model(place.path("scan.obj")).unwrap();
     let mesh = &loaded.scene.meshes()[0];
     let packet = Json::of(&json!({
         "@context": { "dc": "http://purl.org/dc/elements/1.1/" },

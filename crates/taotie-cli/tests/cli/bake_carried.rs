@@ -33,7 +33,7 @@ fn proved(place: &Place, line: &str) -> String {
 
 /// Returns the only mesh of a file.
 fn mesh(place: &Place, name: &str) -> Mesh {
-    load_model(&place.path(name)).unwrap().scene.meshes()[0].clone()
+    load_model(place.path(name)).unwrap().scene.meshes()[0].clone()
 }
 
 /// Writes a scan of one ball for each material, side by side.
@@ -74,7 +74,7 @@ fn colours_are_kept_by_default() {
     let report: Value = serde_json::from_slice(&place.read("out.report.json")).unwrap();
     assert_eq!(words(&report["parameters"]["maps"]), ["normal", "albedo"]);
     assert_eq!((&report["carried"], &report["left"]), (&json!(["base colour"]), &json!([])));
-    let scene = load_model(&place.path("out.glb")).unwrap().scene;
+    let scene = load_model(place.path("out.glb")).unwrap().scene;
     assert!(scene.materials()[0].base_color_texture.is_some());
 }
 
@@ -102,7 +102,7 @@ fn every_part_of_a_scan_counts() {
     let report: Value = serde_json::from_slice(&place.read("out.report.json")).unwrap();
     assert_eq!(words(&report["parameters"]["maps"]), ["normal", "emission"]);
     assert_eq!(words(&report["carried"]), ["emission"]);
-    let scene = load_model(&place.path("out.glb")).unwrap().scene;
+    let scene = load_model(place.path("out.glb")).unwrap().scene;
     let material = &scene.materials()[0];
     assert!(material.emissive.iter().all(|v| (v - 2.0).abs() < 1e-3), "{:?}", material.emissive);
     let glow = material.emissive_texture.expect("the lamp glows");
@@ -118,7 +118,7 @@ fn metals_and_others_share_a_map() {
     write_scan(&place, vec![gold, Material::default()]);
     let said = said(&place, "scan.glb --triangles 500");
     assert!(!said.contains("left out"), "{said}");
-    let scene = load_model(&place.path("out.glb")).unwrap().scene;
+    let scene = load_model(place.path("out.glb")).unwrap().scene;
     let map = scene.materials()[0].metallic_roughness_texture.expect("they differ");
     for [roughness, metallic] in [[0.2, 1.0], [0.6, 0.0]] {
         let is_near = |[_, g, b, _]: [f32; 4]| (g - roughness).abs() < 0.02 && (b - metallic).abs() < 0.02;
@@ -150,7 +150,7 @@ fn masks_stay_masks_and_ktx2_leaves_their_alpha_to_png() {
         said.contains("the base colour's texture has alpha, which KTX2 does not support: it is PNG"),
         "{said}"
     );
-    let scene = load_model(&place.path("out.glb")).unwrap().scene;
+    let scene = load_model(place.path("out.glb")).unwrap().scene;
     let material = &scene.materials()[0];
     assert_eq!(material.alpha, AlphaMode::Mask(0.25));
     let color = material.base_color_texture.expect("it holds alpha");
@@ -165,7 +165,7 @@ fn what_is_the_same_everywhere_is_a_factor() {
     write_scan(&place, vec![glowing.clone(), glowing.clone()]);
     let said = said(&place, "scan.glb --triangles 500");
     assert!(!said.contains("left out"), "{said}");
-    let scene = load_model(&place.path("out.glb")).unwrap().scene;
+    let scene = load_model(place.path("out.glb")).unwrap().scene;
     let material = &scene.materials()[0];
     assert_eq!((material.emissive, material.base_color), (glowing.emissive, glowing.base_color));
     assert_eq!(material.clearcoat, glowing.clearcoat);
@@ -182,7 +182,7 @@ fn a_low_poly_mesh_keeps_its_own_material() {
         said.contains("base colour, on 100.0 % of its surface; the low-poly mesh's own is kept\n"),
         "{said}"
     );
-    let scene = load_model(&place.path("out.glb")).unwrap().scene;
+    let scene = load_model(place.path("out.glb")).unwrap().scene;
     assert_eq!(scene.materials()[0].base_color, [1.0, 0.0, 0.0, 1.0]);
     assert!(scene.materials()[0].base_color_texture.is_none());
 }

@@ -15,7 +15,7 @@ use taotie_io::{GltfAsset, GltfDraft, GltfFormat, Json, load_model, read_bitmap}
 pub fn start() -> (Place, Mesh) {
     let place = Place::with("scan.obj", SCAN.obj());
     place.write("low.obj", LOW.obj());
-    let low = load_model(&place.path("low.obj")).unwrap().scene.meshes()[0].clone();
+    let low = load_model(place.path("low.obj")).unwrap().scene.meshes()[0].clone();
     (place, with_frames(&low, 0, None).unwrap().0.into_owned())
 }
 
@@ -138,7 +138,7 @@ fn three_materials_on_two_nodes_stay() {
     assert!(given.is_some(), "no vertex has to be split for tangents");
     assert_same(&before, &after, &["nodes", "meshes", "cameras", "scenes", "scene"]);
 
-    let scene = load_model(&place.path("out.glb")).unwrap().scene;
+    let scene = load_model(place.path("out.glb")).unwrap().scene;
     let names: Vec<&str> = scene.materials().iter().map(|material| material.name.as_str()).collect();
     assert_eq!(names, ["wood", "iron", "cloth"]);
     let mut maps: Vec<usize> = scene.materials().iter().map(|m| m.normal.unwrap().texture.texture).collect();
@@ -186,7 +186,7 @@ fn files_beside_a_gltf_are_named_after_their_materials() {
         images.iter().all(|image| files.contains(image)) && files.contains(&"out.bin".into()),
         "{files:?}"
     );
-    let loaded = load_model(&place.path("out.gltf")).unwrap();
+    let loaded = load_model(place.path("out.gltf")).unwrap();
     assert_eq!((loaded.scene.textures().len(), loaded.scene.instances().len()), (3, 3));
     assert!(loaded.missing_files.is_empty());
     assert_valid(&place.path("out.gltf"));
@@ -201,7 +201,7 @@ fn images_of_the_file_that_stay_go_along() {
     std::fs::create_dir(place.path("sub")).unwrap();
     let again = |maps: &str, out: &str| {
         let line = format!("bake scan.obj --low first.gltf --size 64 --maps {maps} -o {out} --json");
-        (place.json(&line), load_model(&place.path(out)).unwrap())
+        (place.json(&line), load_model(place.path(out)).unwrap())
     };
     let (report, kept) = again("ao", "sub/kept.gltf");
     let unseen = report["proof"]["unseen"].to_string();
@@ -211,7 +211,7 @@ fn images_of_the_file_that_stay_go_along() {
         (6, 0),
         "normals stay, occlusion is new"
     );
-    let own = load_model(&place.path("first.gltf")).unwrap().scene;
+    let own = load_model(place.path("first.gltf")).unwrap().scene;
     for (a, b) in own.materials().iter().zip(kept.scene.materials()) {
         let map = |scene: &taotie_engine::scene::Scene, material: &taotie_engine::scene::Material| {
             scene.textures()[material.normal.unwrap().texture.texture].bitmap().clone()
@@ -294,13 +294,13 @@ fn materials_of_an_obj_stay() {
     let assert = place.taotie(line).assert().success();
     let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
     assert!(!said.contains("merged the "), "{said}");
-    let loaded = load_model(&place.path("out.glb")).unwrap();
+    let loaded = load_model(place.path("out.glb")).unwrap();
     assert_eq!(loaded.mesh_names, ["wood_part", "iron_part", "cloth_part"]);
     let materials = loaded.scene.materials();
     assert_eq!(materials.iter().map(|m| m.name.as_str()).collect::<Vec<_>>(), ["wood", "iron", "cloth"]);
     assert_eq!(
         materials[0].base_color,
-        load_model(&place.path("low.obj")).unwrap().scene.materials()[0].base_color
+        load_model(place.path("low.obj")).unwrap().scene.materials()[0].base_color
     );
     assert_eq!((loaded.scene.textures().len(), loaded.scene.triangle_count()), (3, 528));
     let report: Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
@@ -356,7 +356,7 @@ fn an_animation_stays() {
     let unseen = report["proof"]["unseen"].to_string();
     assert!(unseen.contains("poses: an animated asset is compared at rest"), "{unseen}");
     assert_eq!(report["proof"]["parts"], json!([]), "it has one material");
-    assert_eq!(load_model(&place.path("out.glb")).unwrap().rig.unwrap().animations()[0].name, "drift");
+    assert_eq!(load_model(place.path("out.glb")).unwrap().rig.unwrap().animations()[0].name, "drift");
     assert!(refused(&place, "--space object").contains("object-space normals do not follow its motion"));
 }
 
@@ -377,7 +377,7 @@ fn maps_alone_fit_the_file_as_its_model_does() {
     place.write("low.glb", draft.encode_glb().unwrap());
     baked(&place, "-o out.glb --maps normal --no-verify");
     baked(&place, "-o out.png --maps normal --no-verify");
-    let textures = load_model(&place.path("out.glb")).unwrap().scene.textures().to_vec();
+    let textures = load_model(place.path("out.glb")).unwrap().scene.textures().to_vec();
     assert_eq!(textures.len(), 1);
     assert!(*textures[0].bitmap() == read_bitmap(&place.path("out.png")).unwrap());
 }

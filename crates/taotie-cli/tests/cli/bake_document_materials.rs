@@ -20,7 +20,7 @@ fn write_ship(place: &Place, low: &taotie_engine::mesh::Mesh, name: &str, extens
 
 /// Writes the scan with a material as `scan.glb`.
 fn write_scan(place: &Place, material: Material) {
-    let mut scene = load_model(&place.path("scan.obj")).unwrap().scene;
+    let mut scene = load_model(place.path("scan.obj")).unwrap().scene;
     scene.edit(|scene| scene.materials = vec![material]).unwrap();
     write_scene(&place.path("scan.glb"), &scene, &GltfFormat::default()).unwrap();
 }
@@ -46,7 +46,7 @@ fn a_layer_of_the_scan_stands_where_the_file_has_it_switched_off() {
         write_ship(&place, &low, name, &off);
         let report = report(&place, "scan.glb");
         assert_eq!((&report["carried"], &report["left"]), (&json!(["clearcoat"]), &json!([])));
-        let materials = load_model(&place.path("out.glb")).unwrap().scene.materials().to_vec();
+        let materials = load_model(place.path("out.glb")).unwrap().scene.materials().to_vec();
         assert!(materials.len() == 3 && materials.iter().all(|m| m.clearcoat == Some(coat)), "{materials:?}");
         assert_valid(&place.path("out.glb"));
     }
@@ -92,7 +92,7 @@ fn maps_that_an_unlit_material_does_not_show_are_told() {
     write_ship(&place, &low, "KHR_materials_unlit", &json!({}));
     let count = |maps: &str| {
         let report = report(&place, &format!("scan.obj --maps {maps}"));
-        let unlit = load_model(&place.path("out.glb")).unwrap().scene.materials().iter().all(|m| m.unlit);
+        let unlit = load_model(place.path("out.glb")).unwrap().scene.materials().iter().all(|m| m.unlit);
         assert!(unlit, "the look of the file stays");
         times_warned(
             &report,

@@ -65,7 +65,7 @@ fn models(place: &Place) {
 fn scan_and_low(place: &Place) {
     place.write("ball.obj", SCAN.obj());
     place.write("low.obj", LOW.obj());
-    let mesh = |name: &str| load_model(&place.path(name)).expect("it is sound").scene.meshes()[0].clone();
+    let mesh = |name: &str| load_model(place.path(name)).expect("it is sound").scene.meshes()[0].clone();
     place.write("scan.ply", ply(&mesh("ball.obj")));
     let normals = read_bitmap(&place.path("normals.png")).expect("it is a picture");
     let material = GltfMaterial { normal_map: Some((&normals).into()), ..GltfMaterial::default() };

@@ -48,7 +48,7 @@ fn vase() -> Place {
 #[test]
 fn a_bake_keeps_the_buffer_of_its_scan() {
     let place = Place::with("ball.obj", SCAN.obj());
-    let scene = load_model(&place.path("ball.obj")).unwrap().scene;
+    let scene = load_model(place.path("ball.obj")).unwrap().scene;
     let levels = [&scene.meshes()[0]];
     let asset = GltfAsset { levels: &levels, ..GltfAsset::default() };
     write_gltf(&place.path("Box0.gltf"), &asset, &GltfFormat::default()).unwrap();
@@ -159,7 +159,7 @@ fn two_bakes_to_one_name_never_mix() {
         let runs = ["300", "700"].map(bake);
         runs.into_iter().for_each(|mut run| assert!(run.wait().expect("it ends").success()));
         let report: serde_json::Value = serde_json::from_slice(&place.read("out.report.json")).unwrap();
-        let read = load_model(&place.path("out.gltf")).unwrap();
+        let read = load_model(place.path("out.gltf")).unwrap();
         assert!(read.warnings.is_empty(), "{:?}", read.warnings);
         assert_eq!(report["triangles"][0], read.scene.triangle_count());
         assert!(place.files().iter().all(|name| !name.starts_with('.')), "{:?}", place.files());

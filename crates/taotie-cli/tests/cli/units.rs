@@ -165,7 +165,7 @@ fn a_file_that_stays_is_in_metres_too() {
 #[test]
 fn a_gltf_scan_is_in_metres_unless_it_is_stated() {
     let place = ball();
-    let scene = taotie_io::load_model(&place.path("scan.obj")).unwrap().scene;
+    let scene = taotie_io::load_model(place.path("scan.obj")).unwrap().scene;
     taotie_io::write_scene(&place.path("scan.glb"), &scene, &taotie_io::GltfFormat::default()).unwrap();
     let line = "bake scan.glb -o out.glb --triangles 2000 --size 64 --json";
     let report = place.json(&format!("{line} --require hausdorff=2m"));

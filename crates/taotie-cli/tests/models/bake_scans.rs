@@ -71,7 +71,7 @@ fn pairs_are_baked_within_a_degree_and_nearly_without_a_miss() {
         // Measured: 0.0011°.
         assert!((packed - plain).abs() < 0.01, "{high}: {packed}° packed, {plain}° plain");
         let low = taotie_io::load_model(low).unwrap().scene;
-        let out = taotie_io::load_model(&folder.path().join("out.glb")).unwrap().scene;
+        let out = taotie_io::load_model(folder.path().join("out.glb")).unwrap().scene;
         assert!(same_triangles(&low.meshes()[0], &out.meshes()[0]), "the low-poly mesh stays as it is");
     }
 }

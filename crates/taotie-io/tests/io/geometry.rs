@@ -13,7 +13,7 @@ fn load(files: &[(&str, &[u8])]) -> taotie_engine::Result<Loaded> {
     for (name, bytes) in files {
         std::fs::write(folder.path().join(name), bytes).expect("a file");
     }
-    load_model(&folder.path().join(files[0].0))
+    load_model(folder.path().join(files[0].0))
 }
 
 fn obj(text: &str) -> Loaded {

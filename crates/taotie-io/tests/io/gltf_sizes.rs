@@ -33,7 +33,7 @@ impl Files {
 
     /// The base colour as read by our reader.
     fn color(&self) -> Bitmap {
-        let loaded = load_model(&self.folder.path().join("m.gltf")).unwrap();
+        let loaded = load_model(self.folder.path().join("m.gltf")).unwrap();
         assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
         let used = loaded.scene.materials()[0].base_color_texture.expect("it exists").texture;
         loaded.scene.textures()[used].bitmap().clone()

@@ -153,7 +153,7 @@ mod tests {
             export::write(&output, &Vessel::new(64))?;
             write_high(&output, ours)
         });
-        let loaded = taotie_io::load_model(&written.unwrap()).unwrap();
+        let loaded = taotie_io::load_model(written.unwrap()).unwrap();
         assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
         let read = &loaded.scene.meshes()[0];
         assert_eq!(read.positions(), ours.positions());
@@ -174,7 +174,7 @@ mod tests {
             export::write(&output, &vessel)?;
             write_pouring(&output, &vessel)
         });
-        let mut loaded = taotie_io::load_model(&written.unwrap()).unwrap();
+        let mut loaded = taotie_io::load_model(written.unwrap()).unwrap();
         assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
         let (read, ours) = (&loaded.scene.materials()[0], &scene.materials()[0]);
         let look = |m: &Material| (m.base_color, m.metallic, m.roughness, m.occlusion_strength);

@@ -59,7 +59,7 @@ impl Case {
     fn new(folder: &Path, facts: &Value, lighting: &Lighting) -> Option<Self> {
         let name = facts["fileName"].as_str()?.to_owned();
         let theirs = Picture::read(&folder.join(facts["sampleImageName"].as_str()?));
-        let scene = match load_model(&folder.join(&name)) {
+        let scene = match load_model(folder.join(&name)) {
             Ok(loaded) => loaded.scene,
             Err(error) if error.to_string().contains("only points or lines") => {
                 println!("skipped: {error}");

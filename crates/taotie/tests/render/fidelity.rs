@@ -107,7 +107,7 @@ impl Scenario<'_> {
         let [width, height] =
             ["width", "height"].map(|side| 2 * self.number(&format!("/dimensions/{side}")) as u32);
         let settings = RenderSettings { width, height, samples: 1, ..RenderSettings::default() };
-        let scene = if self.has_model() { load_model(&self.file("model")).unwrap().scene } else { speck() };
+        let scene = if self.has_model() { load_model(self.file("model")).unwrap().scene } else { speck() };
         let (camera, lighting) = (self.camera(&scene), self.lighting());
         let shot = Shot { camera: &camera, lighting: &lighting, settings: &settings };
         let frame = render(&scene, &shot).unwrap();
