@@ -26,13 +26,15 @@ mod picture;
 pub mod studio;
 
 pub use picture::Picture;
+pub use taotie_engine::bake::MapKind;
 pub use taotie_engine::film::Development;
 pub use taotie_engine::image::{Bitmap, Image};
+pub use taotie_engine::length::Unit;
 pub use taotie_engine::math::Vec3;
 pub use taotie_engine::mesh::Mesh;
-pub use taotie_engine::render::{Frame, RenderSettings};
+pub use taotie_engine::render::{EnvironmentLight, Frame, RenderSettings};
 pub use taotie_engine::scene::{Material, Scene};
 pub use taotie_engine::shade::Shading;
 pub use taotie_engine::surface::SurfaceMethod;
 pub use taotie_engine::{Error, Progress, Result, Warning, Warnings};
-pub use taotie_io::{Bytes, Limits, Loaded, load_model};
+pub use taotie_io::{Bytes, ImageCodec, Limits, Loaded, load_model};

@@ -323,7 +323,7 @@ impl<'a> Relook<'a> {
     /// Returns the pixels that show the first texture whose texels have this meaning; `None` if there is none.
     ///
     /// # Errors
-    /// Those of [`Retextured::new`].
+    /// As [`Bitmap::new`](crate::image::Bitmap::new).
     pub fn first(&'a self, encoding: Encoding) -> Result<Option<ImageLook<'a>>> {
         let textures = self.side.surface.surface().textures();
         let number = textures.iter().position(|texture| texture.encoding() == encoding);
@@ -333,7 +333,7 @@ impl<'a> Relook<'a> {
     /// Returns the pixels that show an image.
     ///
     /// # Errors
-    /// Those of [`Retextured::new`].
+    /// As [`Bitmap::new`](crate::image::Bitmap::new).
     pub fn at(&'a self, shown: Shown) -> Result<ImageLook<'a>> {
         let surface = self.side.surface.surface();
         let shows = surface.materials_with(&shown.textures);
@@ -360,7 +360,7 @@ impl ImageLook<'_> {
     /// degrees, CIEDE2000, or fractions of the largest number.
     ///
     /// # Errors
-    /// Those of [`Retextured::new`].
+    /// As [`Bitmap::new`](crate::image::Bitmap::new).
     pub fn differences(&self, with: &Texture) -> Result<Vec<f32>> {
         let other = Retextured::new(self.side.surface, &self.shown.textures, with)?;
         let encoding = self.shown.encoding;
