@@ -15,7 +15,7 @@ mod json;
 mod limits;
 mod loaded;
 mod obj;
-#[cfg(any(feature = "draco", feature = "basis", feature = "exr"))]
+#[cfg(any(feature = "avif", feature = "draco", feature = "basis", feature = "exr"))]
 mod panics;
 pub mod parse;
 mod ply;
@@ -43,8 +43,8 @@ pub use write::{
     ImageCodec, ImageFormat, LossyTexture, PackedGeometry, PackedImage, PngColor, PngImage, PngSamples,
     Stopper, TextureCodecs, VertexBits, WrittenScene, encode_glb, encode_gltf, encode_graft,
     encode_jpeg_bitmap, encode_png, encode_png_bitmap, encode_scene, encode_scene_as, encode_webp_bitmap,
-    gltf_files, gltf_sampler, join_levels, write_bytes, write_gltf, write_image, write_png, write_png_bitmap,
-    write_scene, write_text,
+    gltf_files, gltf_sampler, join_levels, sampler_constants, write_bytes, write_gltf, write_image,
+    write_png, write_png_bitmap, write_scene, write_text,
 };
 #[cfg(feature = "exr")]
 pub use write::{ExrLayer, write_exr};

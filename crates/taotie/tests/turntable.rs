@@ -3,10 +3,11 @@
 #[path = "../examples/turntable.rs"]
 mod turntable;
 
+use taotie::{Error, Picture, RenderSettings};
 use taotie_engine::image::{Bitmap, Texels};
 use taotie_engine::math::Vec3;
 use taotie_engine::mesh::{Mesh, MeshData};
-use taotie_engine::scene::{Material, Scene};
+use taotie_engine::scene::{Material, Scene, SceneData};
 
 /// Its `main` reads arguments, which a test does not have.
 const _: fn() -> taotie_engine::Result<()> = turntable::main;
@@ -44,4 +45,19 @@ fn a_square_is_seen_narrow_and_wide_and_never_touches_the_frame() {
         let edge = (0..24 * 24).filter(|i| [0, 23].contains(&(i % 24)) || [0, 23].contains(&(i / 24)));
         assert!(edge.into_iter().all(|i| picture.stored(i)[3] == 0.0), "{counts:?}");
     }
+}
+
+#[test]
+fn a_written_picture_has_the_pixels_of_the_one_taken() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let settings = RenderSettings { width: 40, height: 24, ..RenderSettings::default() };
+    let picture = Picture { settings, ..Picture::default() };
+    let path = folder.path().join("square.png");
+    picture.write(&square(), &path).expect("it is rendered");
+    let written = taotie_io::read_bitmap(&path).expect("it is a PNG");
+    let taken = picture.take(square()).expect("it is rendered");
+    assert_eq!((taken.width(), taken.height()), (40, 24));
+    assert!(covered(&taken) > 40 && taken.texels() == written.texels());
+    let nothing = Scene::new(SceneData::default()).expect("an empty scene is valid");
+    assert!(matches!(picture.render(&nothing), Err(Error::Invalid { .. })));
 }

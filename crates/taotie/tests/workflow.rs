@@ -160,6 +160,12 @@ fn a_scan_becomes_an_asset_with_its_proof() {
     assert_eq!((figures.bytes_out, figures.bytes_in), (bytes, 0));
     assert_eq!((proof.error_map.as_ref().unwrap().width(), proof.views.scan.len()), (64, 8));
 
+    let unmet = proof.require(&[Requirement::mean_angle_deg(1.5), Requirement::bytes(10)]).unwrap_err();
+    assert!(
+        matches!(&unmet, Error::Unmet { what } if what.contains("at most 10") && !what.contains("angle")),
+        "{unmet}"
+    );
+    proof.require(&[Requirement::mean_angle_deg(1.5)]).unwrap();
     let met = proof.evaluate(&[Requirement::mean_angle_deg(1.5), Requirement::bytes(10)]);
     assert_eq!(met.iter().map(|met| met.met).collect::<Vec<_>>(), [true, false]);
     // Passing the scan by value gives the same.

@@ -6,13 +6,9 @@ use crate::settings::{Thumbnail, Turntable};
 use crate::store::{AssetObject, Store, VERSION, entries};
 use std::path::{Path, PathBuf};
 use taotie::asset::{Baker, Certificate, Proof, Report, ScanFile, Signature, WrittenAsset};
-use taotie::studio::{self, CameraOptions, Framing, LightOptions, MaterialOptions, View, Viewpoint};
-use taotie::{Bytes, Limits};
-use taotie_engine::film::Development;
-use taotie_engine::image::{Bitmap, Texels};
-use taotie_engine::render::{RenderSettings, Renderer, Shot};
-use taotie_engine::scene::Scene;
-use taotie_engine::{Progress, Result};
+use taotie::studio::{self, MaterialOptions};
+use taotie::{Bytes, Limits, Picture, Progress, RenderSettings, Result, Scene};
+use taotie_engine::image::Texels;
 use taotie_io::{AnimatedImage, AnimationFormat, AnimationSpec, FileSet};
 use taotie_report::bake_page;
 use taotie_report::viewer::AssetSubject;
@@ -121,12 +117,6 @@ fn named(files: &[PathBuf]) -> Vec<(String, PathBuf)> {
     files.iter().map(|path| (name(path), path.clone())).collect()
 }
 
-/// A model to be rendered.
-struct Sitter {
-    renderer: Renderer,
-    settings: RenderSettings,
-}
-
 /// Writes a picture of a model as lossless WebP.
 ///
 /// # Errors
@@ -137,10 +127,7 @@ pub fn thumbnail(
     Thumbnail { size }: Thumbnail,
     work: &Work<'_>,
 ) -> Result<()> {
-    let scene = load(model, work)?;
-    let viewpoint = framed(&scene, size, false)?;
-    let pixels = Sitter::new(scene, size)?.picture(viewpoint.at(0.0))?;
-    let bitmap = Bitmap::new(size, size, 4, Texels::U8(pixels))?;
+    let bitmap = picture(size).take(load(model, work)?)?;
     files.write_bytes(path, &taotie_io::encode_webp_bitmap(&bitmap)?)
 }
 
@@ -154,15 +141,13 @@ pub fn turntable(
     Turntable { size, frames }: Turntable,
     work: &Work<'_>,
 ) -> Result<()> {
-    let scene = load(model, work)?;
-    let viewpoint = framed(&scene, size, true)?;
-    let mut sitter = Sitter::new(scene, size)?;
     let (format, seconds) = (AnimationFormat::Png, 4.0);
     let spec = AnimationSpec { format, width: size, height: size, frames, seconds, alpha: true };
     let mut image = AnimatedImage::create(files, path, &spec)?;
-    for view in viewpoint.turn(frames) {
-        image.add(&sitter.picture(view)?)?;
-    }
+    picture(size).turntable(load(model, work)?, frames, |bitmap| {
+        let Texels::U8(pixels) = bitmap.texels() else { unreachable!("a picture has 8 bits per channel") };
+        image.add(pixels)
+    })?;
     image.finish()
 }
 
@@ -171,24 +156,10 @@ fn load(model: &Path, work: &Work<'_>) -> Result<Scene> {
     Ok(studio::load(model, &MaterialOptions::default(), &limits)?.scene)
 }
 
-fn framed(scene: &Scene, size: u32, all_around: bool) -> Result<Viewpoint> {
-    Viewpoint::choose(&CameraOptions::default(), Framing { size: [size; 2], all_around }, scene)
-}
-
-impl Sitter {
-    fn new(scene: Scene, size: u32) -> Result<Self> {
-        let settings = RenderSettings { width: size, height: size, ..RenderSettings::default() };
-        Ok(Self { renderer: Renderer::new(scene, &settings.surface)?, settings })
-    }
-
-    fn picture(&mut self, view: View<'_>) -> Result<Vec<[u8; 4]>> {
-        let scene = self.renderer.prepared().scene();
-        let lighting = LightOptions::default().lighting(None, scene, view);
-        let shot = Shot { camera: &view.camera(), lighting: &lighting, settings: &self.settings };
-        let mut pixels = Vec::new();
-        self.renderer.develop(&shot, &Development::default(), &mut pixels, Progress::SILENT)?;
-        Ok(pixels)
-    }
+/// Returns the settings of a square picture.
+fn picture(size: u32) -> Picture {
+    let settings = RenderSettings { width: size, height: size, ..RenderSettings::default() };
+    Picture { settings, ..Picture::default() }
 }
 
 /// Writes the page that shows a model in a browser.

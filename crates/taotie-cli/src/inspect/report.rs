@@ -300,7 +300,7 @@ fn normal_map(map: &NormalMapReport) -> String {
     format!(
         "normal map by its pixels: {kind}{green}{}; drawn as {}-space, green {}, scale {}",
         invalid.unwrap_or_default(),
-        words::space(map.space),
+        map.space.name(),
         map.green.name(),
         map.scale
     )

@@ -3,7 +3,7 @@
 use crate::console;
 use taotie::inspection::{Hint, LayerReport, MaterialReport};
 use taotie_engine::names::Named;
-use taotie_engine::scene::{FactorValue, LAYERS, Layer, Material, NormalSpace};
+use taotie_engine::scene::{FactorValue, LAYERS, Layer, Material};
 use taotie_engine::surface::{GreenVerdict, NormalMapKind};
 
 /// Length above which names are shortened, characters.
@@ -78,7 +78,7 @@ pub fn hint(hint: &Hint) -> Option<String> {
             format!("the pixels of the normal map of '{material}' do not look like normals")
         }
         Hint::OtherSpace { material, drawn, by_pixels } => {
-            let (drawn, kind) = (space(*drawn), space(*by_pixels));
+            let (drawn, kind) = (drawn.name(), by_pixels.name());
             format!(
                 "the pixels of the normal map of '{material}' look {kind}-space, but it is drawn as {drawn}-space; \
                  use --normal-map FILE --normal-space {kind}"
@@ -97,14 +97,6 @@ pub fn hint(hint: &Hint) -> Option<String> {
         ),
         _ => return None,
     })
-}
-
-/// The space of a normal map.
-pub fn space(space: NormalSpace) -> &'static str {
-    match space {
-        NormalSpace::Tangent => "tangent",
-        NormalSpace::Object => "object",
-    }
 }
 
 /// The kind of a normal map.

@@ -228,7 +228,7 @@ impl Report {
             output: args.output.display().to_string(),
             size: [made.bitmap.width(), made.bitmap.height()],
             from: content_name(input.content),
-            to: space_name(made.space),
+            to: made.space.name(),
             green_in: input.green.name(),
             green: GreenChannel::from(args.green.unwrap_or(Green::Up)).name(),
             bits: made.bitmap.bits(),
@@ -262,14 +262,6 @@ impl Report {
 fn content_name(content: MapContent) -> &'static str {
     match content {
         MapContent::Heights => "height",
-        MapContent::Normals(space) => space_name(space),
-    }
-}
-
-/// Returns the name on the command line.
-fn space_name(space: NormalSpace) -> &'static str {
-    match space {
-        NormalSpace::Tangent => "tangent",
-        NormalSpace::Object => "object",
+        MapContent::Normals(space) => space.name(),
     }
 }

@@ -25,6 +25,15 @@ const DIRECTIONS: u32 = 128;
 /// The distance below the object, as a fraction of its size, so that objects on the ground do not intersect it.
 const GAP: f64 = 1e-4;
 
+/// Calls `change` with each pixel of a tile, and its column and row in the image.
+fn each_pixel(tile: &Tile, color: &mut [[f32; 4]], change: impl Fn(&mut [f32; 4], [u32; 2])) {
+    for y in 0..tile.height {
+        for x in 0..tile.width {
+            change(&mut color[(y * TILE_SIZE + x) as usize], [tile.x + x, tile.y + y]);
+        }
+    }
+}
+
 /// Composites the shadow on the ground, if the shot has one, below an image with premultiplied alpha, linear RGB: the
 /// next step of a renderer that only draws surfaces, before [`fill_backdrop`]. `image` has the size of the
 /// shot.
@@ -77,12 +86,7 @@ impl Ground {
 
     /// Darkens the premultiplied pixels of a tile where the ground is visible behind them.
     pub(super) fn fill(&self, tile: &Tile, color: &mut [[f32; 4]]) {
-        for y in 0..tile.height {
-            for x in 0..tile.width {
-                let pixel = &mut color[(y * TILE_SIZE + x) as usize];
-                self.lay_under(pixel, [tile.x + x, tile.y + y]);
-            }
-        }
+        each_pixel(tile, color, |pixel, at| self.lay_under(pixel, at));
     }
 
     /// Darkens the pixel in column and row `at`.
@@ -234,12 +238,7 @@ impl Backdrop {
 
     /// Composites the environment below the premultiplied pixels of a tile, as seen through the centre of each pixel.
     pub(super) fn fill(&self, tile: &Tile, color: &mut [[f32; 4]]) {
-        for y in 0..tile.height {
-            for x in 0..tile.width {
-                let pixel = &mut color[(y * TILE_SIZE + x) as usize];
-                self.lay_under(pixel, [tile.x + x, tile.y + y]);
-            }
-        }
+        each_pixel(tile, color, |pixel, at| self.lay_under(pixel, at));
     }
 
     /// Composites the environment below the pixel in column and row `at`.

@@ -94,6 +94,11 @@ pub enum NormalSpace {
     Object,
 }
 
+impl Named for NormalSpace {
+    const WHAT: &'static str = "space of normals";
+    const NAMES: &'static [(&'static str, Self)] = &[("tangent", Self::Tangent), ("object", Self::Object)];
+}
+
 /// A normal map in use.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NormalMap {

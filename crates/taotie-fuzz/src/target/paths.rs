@@ -4,14 +4,13 @@ use super::read::{Held, Subject, either, error_is_told_well, is_consistent, limi
 use fastrand::Rng;
 use std::path::Path;
 use taotie::asset::{BakeOptions, Baker, Lod, MeshSource, Packing, RayDistance, Scan, VerifyOptions};
-use taotie::studio::{self, CameraOptions, Framing, LightOptions, MaterialOptions, Viewpoint};
+use taotie::studio::{self, MaterialOptions};
+use taotie::{Picture, Progress, RenderSettings, Result};
 use taotie_engine::bake::MapKind;
 use taotie_engine::mesh::Mesh;
 use taotie_engine::names::Named;
-use taotie_engine::render::{Frame, RenderSettings, Shot};
-use taotie_engine::scene::{NormalSpace, Scene};
+use taotie_engine::scene::NormalSpace;
 use taotie_engine::shade::Shading;
-use taotie_engine::{Progress, Result};
 use taotie_io::{CodecSet, ImageCodec, load_levels};
 
 /// Bakes the file with options chosen by its variant. Everything that is written must be readable again.
@@ -110,21 +109,13 @@ pub fn render(subject: &Subject<'_>) -> Held {
         Ok(loaded) => loaded,
         Err(error) => return error_is_told_well(&error),
     };
-    match frame(&loaded.scene, &settings(&mut Rng::with_seed(subject.variant))) {
+    let settings = settings(&mut Rng::with_seed(subject.variant));
+    match (Picture { settings, ..Picture::default() }).render(&loaded.scene) {
         Ok(frame) if frame.color.pixels().as_flattened().iter().any(|v| v.is_nan()) => {
             Err("a NaN pixel".into())
         }
         rendered => either(rendered),
     }
-}
-
-/// Renders the scene in its own lighting.
-fn frame(scene: &Scene, settings: &RenderSettings) -> Result<Frame> {
-    let framing = Framing { size: [SIDE; 2], all_around: false };
-    let viewpoint = Viewpoint::choose(&CameraOptions::default(), framing, scene)?;
-    let view = viewpoint.at(0.0);
-    let lighting = LightOptions::default().lighting(None, scene, view);
-    taotie_engine::render::render(scene, &Shot { camera: &view.camera(), lighting: &lighting, settings })
 }
 
 /// Chooses settings.

@@ -16,7 +16,8 @@ pub use gltf::{
     CodecKind, CodecSet, EncodedModel, GltfAsset, GltfDraft, GltfFormat, GltfGraft, GltfImage, GltfMaterial,
     GltfPacker, GraftedMaterial, ImageCodec, LossyTexture, PackedGeometry, PackedImage, TextureCodecs,
     VertexBits, WrittenScene, encode_glb, encode_gltf, encode_graft, encode_jpeg_bitmap, encode_scene,
-    encode_scene_as, encode_webp_bitmap, gltf_files, gltf_sampler, join_levels, write_gltf, write_scene,
+    encode_scene_as, encode_webp_bitmap, gltf_files, gltf_sampler, join_levels, sampler_constants,
+    write_gltf, write_scene,
 };
 pub use still_image::{
     ImageFormat, PngColor, PngImage, PngSamples, encode_png, encode_png_bitmap, write_image, write_png,

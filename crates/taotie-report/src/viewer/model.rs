@@ -3,7 +3,7 @@
 
 use super::document::{Blob, bytes_of_words};
 use serde::Serialize;
-use taotie_engine::image::{Encoding, MipFilter, Sampler, TexelFilter, Texels, Texture, Wrap};
+use taotie_engine::image::{Encoding, Texels, Texture};
 use taotie_engine::math::Mat4;
 use taotie_engine::mesh::{Mesh, MeshData};
 use taotie_engine::render::{Prepared, Surface};
@@ -153,34 +153,10 @@ fn encoding(encoding: Encoding) -> &'static str {
     }
 }
 
-/// Returns the WebGL constants of a sampler: wrapping along u and v, magnification and minification.
-pub(super) fn sampler(sampler: &Sampler) -> [u32; 4] {
-    let wrap = |wrap| match wrap {
-        Wrap::Repeat => 10497,
-        Wrap::Mirror => 33648,
-        Wrap::Clamp => 33071,
-    };
-    let texels = |filter| match filter {
-        TexelFilter::Nearest => 0,
-        TexelFilter::Linear => 1,
-    };
-    let levels = match sampler.mip {
-        MipFilter::None => 9728,
-        MipFilter::Nearest => 9984,
-        MipFilter::Linear => 9986,
-    };
-    [
-        wrap(sampler.wrap_u),
-        wrap(sampler.wrap_v),
-        9728 + texels(sampler.magnify),
-        levels + texels(sampler.minify),
-    ]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use taotie_engine::image::Bitmap;
+    use taotie_engine::image::{Bitmap, Sampler};
     use taotie_engine::scene::{HeightMap, TextureRef, UvTransform};
 
     #[test]
@@ -197,10 +173,5 @@ mod tests {
         assert_eq!(all[0].codes, None);
         assert_eq!(all[1].codes, Some(Codes { width: 2, height: 1, channels: 1, from: 0 }));
         assert!(blob.is_some());
-    }
-
-    #[test]
-    fn samplers_are_those_of_webgl() {
-        assert_eq!(sampler(&Sampler::default()), [10497, 10497, 9729, 9987]);
     }
 }

@@ -1,7 +1,7 @@
 //! The surfaces of a model: the shader and the values for each reflectance model and surface method. Each variant of
 //! a shader and each paragraph of source text is stored once.
 
-use super::model::{sampler, with_green_up};
+use super::model::with_green_up;
 use serde::Serialize;
 use std::collections::{BTreeMap, HashMap};
 use taotie_engine::names::Named;
@@ -9,6 +9,7 @@ use taotie_engine::render::{PRINTED_BUMP, Prepared, RenderSettings, Surface};
 use taotie_engine::scene::{AlphaMode, Material, NormalSpace, Scene, TextureRef, TextureRole};
 use taotie_engine::shade::Shading;
 use taotie_engine::surface::SurfaceMethod;
+use taotie_io::sampler_constants;
 use taotie_shader::{
     Interface, Language, PixelShader, SurfaceFactors, Variant, VariantOptions, buffer_size, pixel_shader,
 };
@@ -135,7 +136,7 @@ impl Dress {
 
 impl TextureUse {
     fn new(used: &TextureRef) -> Self {
-        Self { texture: used.texture, sampler: sampler(&used.sampler) }
+        Self { texture: used.texture, sampler: sampler_constants(&used.sampler) }
     }
 }
 

@@ -25,7 +25,7 @@ pub use join::join_levels;
 pub use material::{GltfImage, GltfMaterial};
 pub use pack::{GltfPacker, PackedGeometry, PackedImage};
 pub use scene::{WrittenScene, encode_scene, encode_scene_as, write_scene};
-pub use textures::gltf_sampler;
+pub use textures::{gltf_sampler, sampler_constants};
 
 use super::{FileBytes, FileSet};
 use crate::json::Json;

@@ -196,8 +196,15 @@ pub fn gltf_sampler<'a>(meshes: impl IntoIterator<Item = &'a Mesh>) -> Sampler {
     Sampler { wrap_u: wrap, wrap_v: wrap, ..Sampler::default() }
 }
 
-/// Returns glTF's constants for the filters and wrapping of a sampler.
-pub(super) fn sampler_json(sampler: &Sampler) -> Value {
+/// Returns the constants of a sampler, which glTF takes from OpenGL: wrapping along u and v, magnification and
+/// minification. WebGL has the same.
+///
+/// ```
+/// use taotie_engine::image::Sampler;
+///
+/// assert_eq!(taotie_io::sampler_constants(&Sampler::default()), [10497, 10497, 9729, 9987]);
+/// ```
+pub fn sampler_constants(sampler: &Sampler) -> [u32; 4] {
     let wrap = |wrap| match wrap {
         Wrap::Repeat => 10497,
         Wrap::Mirror => 33648,
@@ -212,8 +219,11 @@ pub(super) fn sampler_json(sampler: &Sampler) -> Value {
         MipFilter::Nearest => 9984,
         MipFilter::Linear => 9986,
     };
-    json!({
-        "magFilter": 9728 + texels(sampler.magnify), "minFilter": min + texels(sampler.minify),
-        "wrapS": wrap(sampler.wrap_u), "wrapT": wrap(sampler.wrap_v),
-    })
+    [wrap(sampler.wrap_u), wrap(sampler.wrap_v), 9728 + texels(sampler.magnify), min + texels(sampler.minify)]
+}
+
+/// Returns the JSON of a sampler.
+pub(super) fn sampler_json(sampler: &Sampler) -> Value {
+    let [wrap_s, wrap_t, magnify, minify] = sampler_constants(sampler);
+    json!({ "magFilter": magnify, "minFilter": minify, "wrapS": wrap_s, "wrapT": wrap_t })
 }

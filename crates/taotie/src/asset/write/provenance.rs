@@ -10,7 +10,7 @@ use std::path::Path;
 use taotie_engine::error::Result;
 use taotie_engine::length::Unit;
 use taotie_engine::names::Named;
-use taotie_engine::scene::{GreenChannel, NormalSpace};
+use taotie_engine::scene::GreenChannel;
 use taotie_io::{Json, Limits, Loaded, Provenance, XmpProperties};
 
 /// The options and packing of a bake, as a JSON document.
@@ -100,7 +100,7 @@ impl Parameters {
                 false => json!(options.map_size()),
             },
             "maps": options.maps.iter().map(|map| map.name()).collect::<Vec<_>>(),
-            "space": match options.space { NormalSpace::Tangent => "tangent", NormalSpace::Object => "object" },
+            "space": options.space.name(),
             "samples": options.side * options.side,
             "bits": options.bits,
             "dilation": auto(options.dilation.map(f64::from)),
