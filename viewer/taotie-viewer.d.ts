@@ -36,6 +36,19 @@ export interface State {
     split: number;
 }
 
+/** The events of the element. */
+export interface TaotieViewerEventMap {
+    /** The model is loaded. */
+    load: Event;
+    /** The state has changed. */
+    change: Event;
+    /**
+     * The model cannot be shown, or an attribute or value is not accepted: `message` names it and the accepted values.
+     * `preventDefault()` keeps the message of a value out of the console.
+     */
+    error: ErrorEvent;
+}
+
 /** A model drawn by the shaders of Taotie. */
 export class TaotieViewer extends HTMLElement {
     /** The folder written by `taotie view --folder`. */
@@ -50,10 +63,17 @@ export class TaotieViewer extends HTMLElement {
     shading: string;
     /** The state of the view; `undefined` until the model is loaded. */
     readonly state: State | undefined;
-    /** Changes parts of the state. */
+    /** Changes parts of the state. If a name or value is not accepted, nothing changes and the event `error` follows. */
     change(part: Partial<State>): void;
-    /** Returns the picture in this size, pixels, as a PNG. */
+    /** Returns the picture in this size, pixels, as a PNG; rejected if the browser cannot draw it. */
     picture(size?: [number, number]): Promise<Blob>;
+
+    addEventListener<K extends keyof TaotieViewerEventMap>(
+        type: K,
+        listener: (this: TaotieViewer, event: TaotieViewerEventMap[K]) => void,
+        options?: boolean | AddEventListenerOptions,
+    ): void;
+    addEventListener(type: string, listener: EventListenerOrEventListenerObject, options?: boolean | AddEventListenerOptions): void;
 }
 
 declare global {

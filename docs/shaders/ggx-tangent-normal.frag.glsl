@@ -270,10 +270,12 @@ struct MaterialUniforms {
 layout(std140) uniform FrameBlock {
     FrameUniforms frame;
 };
+#ifndef HOST_LIGHTS
 // The lights, `light_count` of them; in GLSL ES at most 16.
 layout(std140) uniform LightBlock {
     Light lights[16];
 };
+#endif
 // The maps of the environment's levels, the smoothest first: x and y of the first texel of the border in
 // `environment_maps`, texels across without the border, and the factor of the texels. The last, number 31, has the factor
 // of `environment_picture` as its fourth number.
@@ -679,6 +681,11 @@ float between_entries(float a, float b, float c, float d, float across, float do
     return sum + (c + (d - c) * across - sum) * down;
 }
 
+#ifdef HOST_LIGHTS
+// Linear RGB radiance to the viewer from the host's lights at a position; written by the host.
+vec3 host_lights(SurfacePoint p, vec3 position);
+#endif
+
 // The uv in a texture, and its changes to the next samples.
 Coordinates coordinates(vec2 uv) {
     return Coordinates(uv, dFdx(uv) * frame.spacing, dFdy(uv) * frame.spacing);
@@ -837,10 +844,14 @@ vec4 pixel(Interpolated i, bool front) {
     vec3 radiance = own_radiance(p, frame.ambient);
     EnvironmentTexels e = environment_texels(p);
     radiance += reflect_environment(e, p, dfg);
+#ifdef HOST_LIGHTS
+    radiance += host_lights(p, i.position);
+#else
     for (int index = 0; index < int(frame.light_count); index++) {
         Incidence arriving = incidence(lights[index], i.position);
         radiance += reflect_light(p, arriving.l) * arriving.irradiance;
     }
+#endif
     return vec4(radiance, 1.0);
 }
 

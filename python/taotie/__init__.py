@@ -12,22 +12,27 @@ It needs neither a display nor a GPU, and the same input gives the same bits on 
 """
 
 from . import normals, shade
-from ._bake import Asset, Met, Proof, Written, bake, verify
+from ._bake import Asset, Written, bake
+from ._camera import Camera, Orbit
 from ._compare import Comparison, View, compare
 from ._diff import Difference, diff
-from ._error import Cancelled, Error, NotMet, TaotieWarning
-from ._image import Image
+from ._error import Cancelled, Error, FileError, InvalidType, InvalidValue, MissingFile, NotMet, TaotieWarning
+from ._image import Buffers, Image
 from ._inspect import Audit, Inspection, inspect
+from ._light import Environment, Light
+from ._material import Material
 from ._model import Mesh, Model, load
-from ._options import Camera, CompareOptions, Environment, ImageOptions, Light, Material, Orbit
-from ._options import RendererOptions, RenderOptions, TurntableOptions, ViewOptions
+from ._options import CompareOptions, ImageOptions, RendererOptions, RenderOptions, TurntableOptions, ViewOptions
+from ._proof import Met, Proof, VerifyOptions, verify
 from ._render import Renderer, render
+from ._scene import Scene
 from ._taotie import __version__
 from ._view import Viewer, view
 
 __all__ = [
     "Asset",
     "Audit",
+    "Buffers",
     "Camera",
     "Cancelled",
     "CompareOptions",
@@ -35,13 +40,17 @@ __all__ = [
     "Difference",
     "Environment",
     "Error",
+    "FileError",
     "Image",
     "ImageOptions",
     "Inspection",
+    "InvalidType",
+    "InvalidValue",
     "Light",
     "Material",
     "Mesh",
     "Met",
+    "MissingFile",
     "Model",
     "NotMet",
     "Orbit",
@@ -49,8 +58,10 @@ __all__ = [
     "RenderOptions",
     "Renderer",
     "RendererOptions",
+    "Scene",
     "TaotieWarning",
     "TurntableOptions",
+    "VerifyOptions",
     "View",
     "ViewOptions",
     "Viewer",

@@ -5,244 +5,52 @@ from __future__ import annotations
 import json
 import os
 import tempfile
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
 from functools import cached_property
-from typing import Any, Literal, TypeAlias
-
-import numpy as np
-import numpy.typing as npt
+from typing import TYPE_CHECKING, Any, Literal
 
 from . import _taotie
-from ._arrays import Array, PathLike
-from ._error import NotMet, invalid, warn
+from ._arrays import Array, PathLike, sides
+from ._error import invalid, warn
 from ._model import Model, _from_glb, scan_options
 from ._model import model as a_model
-from ._options import Codecs, Map, Unit
-from ._run import Progress, running
+from ._options import Codecs, Map, Unit, check, takes
+from ._proof import Proof, VerifyOptions, measured
+from ._run import Progress, log, running
 
-Floats: TypeAlias = npt.NDArray[np.float32]
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
-
-@dataclass(frozen=True)
-class Met:
-    """A requirement and its outcome.
-
-    Attributes
-    ----------
-    figure : str
-        As on the command line, such as ``mean-angle``.
-    most : float
-        The limit: degrees, fractions of 1, pixels or bytes; metres if `is_length`.
-    is_length : bool
-        True if limit, value and interval are lengths in metres.
-    level : int or None
-        The level of detail, 0 the finest; None for a figure of the whole asset.
-    value : float or None
-        The measured value; None if it could not be measured.
-    interval : tuple of float, or None
-        The interval that contains the value, with a confidence of 99 % if it is estimated from samples.
-    met : bool
-        True if the whole interval is within the limit.
-    text : str
-        All of the above as text.
-    within : float or None
-        For figures that are the share of the surface within a limit, such as ``within-5deg``: that limit, in degrees,
-        ΔE, or fractions of the diagonal.
-    """
-
-    figure: str
-    most: float
-    is_length: bool
-    level: int | None
-    value: float | None
-    interval: tuple[float, float] | None
-    met: bool
-    text: str
-    within: float | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class Proof:
-    """How far an asset, as written and read back, is from its scan.
-
-    Attributes
-    ----------
-    figures : dict
-        All figures, as under ``proof`` in the command's report.
-    error_map : ndarray or None
-        ``(H, W)`` float32: degrees between the normals of asset and scan at each texel, on the surface; NaN between UV
-        islands. None if the asset has no UVs.
-    color_map : ndarray or None
-        ``(H, W)`` float32: CIEDE2000 between the base colours; None if the scan does not specify its material.
-    detail_map : ndarray or None
-        ``(H, W)`` float32: width of the asset's texels relative to the scan's finest detail; None without textures.
-    options : dict
-        The options that it was made with: points, map, view.
-    """
-
-    figures: Mapping[str, Any]
-    error_map: Floats | None = field(repr=False)
-    color_map: Floats | None = field(default=None, repr=False)
-    detail_map: Floats | None = field(default=None, repr=False)
-    options: Mapping[str, int] = field(default_factory=dict)
-
-    @property
-    def mean_deg(self) -> float:
-        """The mean angle between the normals as seen, at the same pixel, in degrees; NaN if no pixel was compared."""
-        return self._angle("mean")
-
-    @property
-    def p95_deg(self) -> float:
-        """The 95th percentile of these angles, in degrees."""
-        return self._angle("p95")
-
-    @property
-    def max_deg(self) -> float:
-        """The largest of these angles, in degrees: a maximum over samples."""
-        return self._angle("max")
-
-    @property
-    def missed(self) -> float:
-        """The fraction of the visible surface where the other shows nothing, the worse of scan and asset, [0, 1]."""
-        coverage = self._finest["coverage"]
-        return float(max(coverage["missed_of_scan"], coverage["missed_of_asset"]))
-
-    @property
-    def hausdorff(self) -> float:
-        """The upper bound of the largest distance between the visible surfaces, as a fraction of the diagonal."""
-        return float(self._finest["hausdorff_of_diagonal"]["upper"])
-
-    @property
-    def _finest(self) -> Mapping[str, Any]:
-        finest: Mapping[str, Any] = self.figures["levels"][0]
-        return finest
-
-    def _angle(self, name: str) -> float:
-        angles = self._finest["overview"]["angles"]
-        return float("nan") if angles is None else float(angles["summary"][name])
-
-    def require(
-        self,
-        *requirements: str,
-        mean_angle: float | str | None = None,
-        p95_angle: float | str | None = None,
-        max_angle: float | str | None = None,
-        mean_color: float | str | None = None,
-        p95_color: float | str | None = None,
-        missed: float | str | None = None,
-        hausdorff: float | str | None = None,
-        bytes: float | str | None = None,
-    ) -> list[Met]:
-        """Require that figures do not exceed limits, as ``taotie bake --require`` does.
-
-        Parameters
-        ----------
-        *requirements : str
-            As on the command line: ``"standard"``, ``"mean-angle=2"``, ``"mean-angle@1=5"``, ``"missed=0.1%"``,
-            ``"bytes=3MB"``, ``"texel=50um"``.
-        mean_angle, p95_angle, max_angle : float or str, optional
-            Normal error, degrees.
-        mean_color, p95_color : float or str, optional
-            Colour error, CIEDE2000.
-        missed : float or str, optional
-            Visible surface that the other model lacks, per cent.
-        hausdorff : float or str, optional
-            Upper bound of the largest distance, per cent of the diagonal, or a length such as ``"0.2mm"`` if the unit of
-            the scan is known.
-        bytes : float or str, optional
-            Of the asset with the files that it references.
-
-        Returns
-        -------
-        list of Met
-
-        Raises
-        ------
-        NotMet
-            If a figure exceeds its limit, or could not be measured.
-        """
-        named = {
-            "mean-angle": mean_angle,
-            "p95-angle": p95_angle,
-            "max-angle": max_angle,
-            "mean-color": mean_color,
-            "p95-color": p95_color,
-            "missed": missed,
-            "hausdorff": hausdorff,
-            "bytes": bytes,
-        }
-        wanted = [*requirements, *(f"{name}={most}" for name, most in named.items() if most is not None)]
-        held = [_met(met, text) for met, text in _taotie.require(dict(self.figures), wanted)]
-        failed = [met.text for met in held if not met.met]
-        if failed:
-            raise NotMet("; ".join(failed), "invalid", None, "the proof", "; ".join(failed))
-        return held
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the figures as plain data."""
-        return dict(self.figures)
-
-
-def _met(met: str, text: str) -> Met:
-    """Return a requirement's outcome from JSON."""
-    facts = json.loads(met)
-    interval = facts.pop("interval")
-    return Met(text=text, interval=None if interval is None else tuple(interval), **facts)
-
-
-def _proof(found: Mapping[str, Any], options: Mapping[str, int]) -> Proof:
-    """Create a proof from the results of the native module, and issue its warnings."""
-    warn(found["warnings"])
-    maps = {name: found[name] for name in ("error_map", "color_map", "detail_map")}
-    return Proof(json.loads(found["figures"]), **maps, options=options)
-
-
-def verify(
-    asset: str | os.PathLike[str],
-    scan: Any,
-    *,
-    points: int = 20_000,
-    map: int = 1024,
-    view: int = 384,
-    threads: int | None = None,
-    progress: Progress = None,
-) -> Proof:
-    """Compare an asset's file, made by any program, with the scan that it should look like.
-
-    Parameters
-    ----------
-    asset : path
-        The asset (.gltf, .glb, .obj, .ply, .stl), at the position of the scan: glTF in metres if the scan's unit is
-        known, other formats in that unit.
-    scan : path, Model, or a mesh of another package
-        The scan that it should look like. It is read with the options of the bake, if the asset records them, unless
-        it was loaded with other options.
-    points : int
-        Pixels of the overview and points on each surface to compare, at least 10.
-    map : int
-        The most texels along a side of ``error_map``.
-    view : int
-        Pixels along a side of the images from all sides, at least 11.
-
-    Returns
-    -------
-    Proof
-
-    Examples
-    --------
-    >>> proof = tt.verify("packed.glb", "scan.ply")  # doctest: +SKIP
-    >>> proof.require("standard")  # doctest: +SKIP
-    """
-    options = {"points": points, "map": map, "view": view}
-    high = a_model(scan)
-    with running(progress, threads) as run:
-        found = _taotie.verify(os.fspath(asset), high._native, options, run)
-    return _proof(found, options)
+#: The stages of a bake with their shares of its time.
+STAGES = {
+    "read the scan": 0.05,
+    "join the scan": 0.05,
+    "inspect the scan": 0.05,
+    "sort the scan": 0.05,
+    "read the low-poly mesh": 0.02,
+    "search": 0.3,
+    "simplify": 0.2,
+    "fit normals": 0.05,
+    "unwrap": 0.05,
+    "tangents": 0.02,
+    "measure the gap": 0.02,
+    "bake": 0.2,
+    "store": 0.05,
+    "levels of detail": 0.1,
+}
 
 
 class Written:
-    """An asset written to files."""
+    """An asset written to files. Created by `Asset.save`.
+
+    Examples
+    --------
+    >>> written = asset.save("asset.glb")
+    >>> written
+    <taotie.Written 'asset.glb'>
+    >>> written.files
+    ['asset.glb']
+    """
 
     def __init__(self, native: _taotie.Written) -> None:
         self._native = native
@@ -257,41 +65,45 @@ class Written:
         """The model's file; for standalone maps, the first one's."""
         return self.files[0]
 
-    def verify(
-        self,
-        scan: Any,
-        *,
-        points: int = 20_000,
-        map: int = 1024,
-        view: int = 384,
-        threads: int | None = None,
-        progress: Progress = None,
-    ) -> Proof:
+    @takes(VerifyOptions)
+    def verify(self, scan: Any, **options: Unpack[VerifyOptions]) -> Proof:
         """Read the files back and measure how far they are from the scan.
 
         Parameters
         ----------
         scan : path, Model, or a mesh of another package
             The scan that was baked.
-        points : int
-            Pixels of the overview and points on each surface to compare, at least 10.
-        map : int
-            The most texels along a side of ``error_map``.
-        view : int
-            Pixels along a side of the images from all sides, at least 11.
+        **options
+            See `VerifyOptions`.
 
         Returns
         -------
         Proof
+
+        Examples
+        --------
+        >>> proof = asset.save("asset.glb", images="webp").verify(scan, points=1000, view=64)
         """
-        options = {"points": points, "map": map, "view": view}
-        high = a_model(scan)
-        with running(progress, threads) as run:
-            found = self._native.verify(high._native, options, run)
-        return _proof(found, options)
+        check("Written.verify", options, VerifyOptions)
+        high = a_model(scan)._native
+        return measured(lambda chosen, run: self._native.verify(high, chosen, run), options)
 
     def report(self, proof: Proof | None = None, require: Sequence[str] = ()) -> dict[str, Any]:
-        """Return the report that ``taotie bake`` writes next to the asset, as plain data."""
+        """Return the report that ``taotie bake`` writes next to the asset, as plain data.
+
+        Parameters
+        ----------
+        proof : Proof, optional
+            The proof to report.
+        require : sequence of str
+            The requirements to report, as for `Proof.require`.
+
+        Examples
+        --------
+        >>> report = asset.save("asset.glb").report(proof, ["mean-angle=2"])
+        >>> report["kind"]
+        'taotie bake'
+        """
         proved = None if proof is None else {"figures": dict(proof.figures), "options": dict(proof.options)}
         report: dict[str, Any] = json.loads(self._native.report(proved, list(require)))
         return report
@@ -301,7 +113,14 @@ class Written:
 
 
 class Asset:
-    """A low-poly mesh with baked maps. Created by `bake`; immutable."""
+    """A low-poly mesh with baked maps. Created by `bake`; immutable.
+
+    Examples
+    --------
+    >>> asset
+    <taotie.Asset 300 triangles, 64x64 texels>
+    >>> image = tt.render(asset, size=32)
+    """
 
     def __init__(self, native: _taotie.Asset) -> None:
         self._native = native
@@ -329,7 +148,13 @@ class Asset:
         return tuple(self._native.warnings())
 
     def levels(self) -> list[dict[str, Array]]:
-        """Return the arrays of each level of detail, as `Model.arrays` does."""
+        """Return the arrays of each level of detail, as `Model.arrays` does.
+
+        Examples
+        --------
+        >>> [len(level["faces"]) for level in asset.levels()]
+        [300]
+        """
         return self._native.levels()
 
     def maps(self, material: str = "") -> dict[str, Array]:
@@ -345,6 +170,11 @@ class Asset:
         dict
             ``normal``; ``albedo`` in sRGB; ``orm``, which is occlusion, roughness and metallic; ``emission``; and by
             their own names those stored next to the model.
+
+        Examples
+        --------
+        >>> asset.maps()["normal"].shape
+        (64, 64, 3)
         """
         sets = self._native.maps()
         if material not in sets:
@@ -385,6 +215,11 @@ class Asset:
         Returns
         -------
         Written
+
+        Examples
+        --------
+        >>> asset.save("asset.glb", images="webp", meshopt=True).files
+        ['asset.glb']
         """
         packing = {
             "images": images,
@@ -396,9 +231,12 @@ class Asset:
         with running(progress, None) as run:
             native = self._native.write({"path": os.fspath(path), "packing": packing}, run)
         warn(native.warnings())
-        return Written(native)
+        written = Written(native)
+        log.info("wrote %s", ", ".join(written.files))
+        return written
 
-    def verify(self, scan: Any, **options: Any) -> Proof:
+    @takes(VerifyOptions)
+    def verify(self, scan: Any, **options: Unpack[VerifyOptions]) -> Proof:
         """Write the asset as PNG and glTF to a temporary folder, and measure the written files.
 
         Parameters
@@ -406,8 +244,14 @@ class Asset:
         scan : path, Model, or a mesh of another package
             The scan that was baked.
         **options
-            The parameters of `Written.verify`. To measure another packing, save the asset and verify that.
+            See `VerifyOptions`. To measure another packing, save the asset and verify that.
+
+        Examples
+        --------
+        >>> asset.verify(scan, points=1000, view=64).require(mean_angle=20)[0].met
+        True
         """
+        check("Asset.verify", options, VerifyOptions)
         with tempfile.TemporaryDirectory(prefix="taotie-") as folder:
             return self.save(os.path.join(folder, "asset.glb")).verify(scan, **options)
 
@@ -417,7 +261,13 @@ class Asset:
         return _from_glb(self.glb(), None)
 
     def glb(self) -> bytes:
-        """Return the asset as a GLB with PNG textures."""
+        """Return the asset as a GLB with PNG textures.
+
+        Examples
+        --------
+        >>> asset.glb()[:4]
+        b'glTF'
+        """
         with tempfile.TemporaryDirectory(prefix="taotie-") as folder:
             path = self.save(os.path.join(folder, "asset.glb")).path
             with open(path, "rb") as file:
@@ -431,7 +281,8 @@ class Asset:
 
     def __repr__(self) -> str:
         width, height = self.size
-        return f"<taotie.Asset {self.triangles} triangles, {width}x{height} texels>"
+        triangles = " + ".join(map(str, self.triangles))
+        return f"<taotie.Asset {triangles} triangles, {width}x{height} texels>"
 
 
 def bake(
@@ -537,11 +388,16 @@ def bake(
     ------
     Error
         With ``path``, ``where`` and ``remedy``.
+
+    Examples
+    --------
+    >>> asset = tt.bake(scan, triangles=300, size=64, maps=["normal", "ao"], ao_rays=16)
+    >>> sorted(asset.maps())
+    ['normal', 'orm']
     """
     if isinstance(maps, str):
         raise invalid(f"maps {maps!r}", "use a sequence of names, e.g. ['normal', 'ao']")
-    side: int | tuple[int, int] | str = 2048 if size is None else size
-    width, height = (side, side) if isinstance(side, int | str) else side
+    width, height = ("auto", "auto") if isinstance(size, str) and size == "auto" else sides("size", 2048 if size is None else size)
     if isinstance(images, str):
         raise invalid(f"images {images!r}", "use a sequence of formats, e.g. ['webp', 'png']")
     if isinstance(goal, str):
@@ -590,10 +446,12 @@ def bake(
     high = a_model(scan)._native
     if crease_angle is not None or scan_green != "auto" or unit is not None:
         high = high.as_scan(scan_options(crease_angle, scan_green, unit))
-    with running(progress, threads) as run:
+    with running(progress, threads, STAGES) as run:
         native = _taotie.bake(high, request, run)
     warn(native.warnings())
-    return Asset(native)
+    asset = Asset(native)
+    log.info("baked %r", asset)
+    return asset
 
 
 def _source(mesh: Any) -> tuple[Any, Any]:
@@ -628,4 +486,4 @@ def _distance(distance: float | str, cage: Any) -> Any:
     return "auto" if distance == "auto" else {"uniform": float(distance)}
 
 
-__all__ = ["Asset", "Met", "Model", "Proof", "Written", "bake"]
+__all__ = ["Asset", "Written", "bake"]

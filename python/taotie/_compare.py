@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 Floats = npt.NDArray[np.float32]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class View:
     """A surface as it appears in the image.
 
@@ -39,6 +39,12 @@ class View:
         ``(H, W)`` float32: degrees between its normals and the true ones; None for the reference itself.
     inner_angles : ndarray or None
         The same away from silhouettes.
+
+    Examples
+    --------
+    >>> found = tt.compare(asset, scan, methods=["smooth"], size=64)
+    >>> found.views["smooth"]
+    <taotie.View 64x64: ggx>
     """
 
     normals: Floats = field(repr=False)
@@ -46,8 +52,12 @@ class View:
     angles: Floats | None = field(default=None, repr=False)
     inner_angles: Floats | None = field(default=None, repr=False)
 
+    def __repr__(self) -> str:
+        height, width = self.normals.shape[:2]
+        return f"<taotie.View {width}x{height}: {', '.join(self.images)}>"
 
-@dataclass(frozen=True, eq=False)
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Comparison:
     """The results of a comparison.
 
@@ -57,13 +67,25 @@ class Comparison:
         All figures, as reported by the library.
     views : dict of str to View
         By method, such as ``smooth`` or ``bump:5``, and ``reference``.
+
+    Examples
+    --------
+    >>> tt.compare(asset, scan, methods=["smooth", "tangent-normal"], size=64)
+    <taotie.Comparison smooth, tangent-normal, reference>
     """
 
     report: dict[str, Any]
     views: dict[str, View] = field(repr=False)
 
     def mean_deg(self, method: str) -> float | None:
-        """Return the mean angle between a method's normals and the truth, away from silhouettes, in degrees."""
+        """Return the mean angle between a method's normals and the truth, away from silhouettes, in degrees.
+
+        Examples
+        --------
+        >>> found = tt.compare(asset, scan, methods=["smooth", "tangent-normal"], size=64)
+        >>> found.mean_deg("tangent-normal") < found.mean_deg("smooth")
+        True
+        """
         for found in self.report["methods"]:
             if found["method"] == method:
                 error = found.get("error")
@@ -72,8 +94,16 @@ class Comparison:
         raise invalid(f"method {method!r}", f"unknown; expected one of: {', '.join(self.views)}")
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the report as plain data."""
+        """Return the report as plain data.
+
+        Examples
+        --------
+        >>> text = json.dumps(tt.compare(asset, scan, methods=["smooth"], size=64).to_dict())
+        """
         return dict(self.report)
+
+    def __repr__(self) -> str:
+        return f"<taotie.Comparison {', '.join(self.views)}>"
 
 
 @takes(CompareOptions)
@@ -113,6 +143,12 @@ def compare(
     Returns
     -------
     Comparison
+
+    Examples
+    --------
+    >>> found = tt.compare(asset, scan, methods=["facet", "smooth"], size=64)
+    >>> sorted(found.views)
+    ['facet', 'reference', 'smooth']
     """
     check("compare", options, CompareOptions)
     model = a_model(low, options.get("material"), options.get("bump_scale"))
@@ -128,9 +164,7 @@ def compare(
     if methods:
         compared["methods"] = [_method(name) for name in methods]
     request = {
-        "options": compared,
-        "background": background(options),
-        **camera_and_light(options),
+        "options": {"options": compared, "background": background(options), **camera_and_light(options)},
         "environment": environment(options),
     }
     names = [_name(model, "model"), _name(reference, "reference")]

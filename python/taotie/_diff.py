@@ -12,11 +12,11 @@ import numpy.typing as npt
 from . import _taotie
 from ._arrays import image
 from ._error import warn
-from ._options import Color, _rgb
+from ._material import Color, rgb
 from ._run import Progress, running
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Difference:
     """The difference between two images, or between the normals of two maps.
 
@@ -29,6 +29,12 @@ class Difference:
         ``(H, W)`` float32: the difference at each pixel; NaN where there is none.
     title, unit : str
         The meaning and the unit of the map.
+
+    Examples
+    --------
+    >>> found = tt.diff(np.zeros((32, 32, 3), np.uint8), np.full((32, 32, 3), 51, np.uint8))
+    >>> round(found.rmse, 6), found.map.shape
+    (0.2, (32, 32))
     """
 
     figures: dict[str, Any]
@@ -67,8 +73,20 @@ class Difference:
         return float("inf") if value is None and self.rmse == 0.0 else value
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the figures as plain data."""
+        """Return the figures as plain data.
+
+        Examples
+        --------
+        >>> a, b = tt.render(scan, size=32), tt.render(scan, size=32, material="brass")
+        >>> sorted(tt.diff(a, b).to_dict())
+        ['angle', 'flip', 'psnr', 'rmse', 'ssim']
+        """
         return dict(self.figures)
+
+    def __repr__(self) -> str:
+        height, width = self.map.shape
+        names = [name for name, value in self.figures.items() if value is not None]
+        return f"<taotie.Difference {width}x{height}: {', '.join(names)}>"
 
 
 def diff(
@@ -100,11 +118,17 @@ def diff(
     Returns
     -------
     Difference
+
+    Examples
+    --------
+    >>> a, b = tt.render(scan, size=32), tt.render(scan, size=32, material="brass")
+    >>> 0 < tt.diff(a, b).flip < 1
+    True
     """
     request = {
         "metric": metric,
         "encoding": {"normals": encoding} if encoding in ("unit", "signed") else encoding,
-        "background": _rgb(background),
+        "background": rgb(background),
         "pixels_per_degree": float(pixels_per_degree),
     }
     with running(progress, None) as run:

@@ -38,12 +38,24 @@ class _Report(Mapping[str, Any]):
         return f"<taotie.{type(self).__name__} {', '.join(self._data)}>"
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the report as plain data."""
+        """Return the report as plain data.
+
+        Examples
+        --------
+        >>> text = json.dumps(tt.inspect(scan).to_dict())
+        """
         return dict(self._data)
 
 
 class Inspection(_Report):
-    """A model's content and defects: a mapping as printed by ``taotie inspect --json``; keys are attributes."""
+    """A model's content and defects: a mapping as printed by ``taotie inspect --json``; keys are attributes.
+
+    Examples
+    --------
+    >>> found = tt.inspect(scan)
+    >>> found.format, found["format"], len(found.materials)
+    ('PLY', 'PLY', 1)
+    """
 
 
 class Audit(_Report):
@@ -51,6 +63,13 @@ class Audit(_Report):
 
     ``passed`` is true if no check failed. ``checks`` has a dict for each check: ``name``, ``status`` (``pass``, ``fail``
     or ``not-tested``), ``message``, and ``value``, ``minimum`` and ``maximum``, which may be ``None``.
+
+    Examples
+    --------
+    >>> with open("schema.json", "w") as file:
+    ...     count = file.write('{"version": "1.0.4", "model": {"triangles": {"maximum": 100}}}')
+    >>> tt.inspect(scan, audit="schema.json").passed
+    False
     """
 
     def __repr__(self) -> str:
@@ -93,6 +112,11 @@ def inspect(
     ------
     Error
         If a file cannot be read, or the schema has a key or a value that the auditor does not know.
+
+    Examples
+    --------
+    >>> tt.inspect("scan.ply").format
+    'PLY'
     """
     if audit is not None:
         return Audit(json.loads(native_model(model).audit(audit, product_info)))

@@ -13,6 +13,8 @@ from contextlib import suppress
 from types import TracebackType
 from typing import Any
 
+from ._error import Error
+
 __all__ = ["Book", "work"]
 
 
@@ -111,7 +113,8 @@ class Book:
         assert self._process.stdout is not None
         line = self._process.stdout.readline()
         if not line:
-            raise RuntimeError(f"could not run the collection: taotie exited with code {self._process.wait()}")
+            why = f"taotie exited with code {self._process.wait()}; its message is on stderr"
+            raise Error(f"could not run the collection: {why}", "io", None, "the collection", why)
         return line
 
     def add(self, report: dict[str, Any]) -> dict[str, Any]:

@@ -10,18 +10,29 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _taotie
-from ._arrays import Array, PathLike
+from ._arrays import Array, PathLike, path as a_path
 from ._error import invalid, warn
+from ._export import to_open3d, to_pyvista, to_trimesh
 from ._image import Image
 from ._inspect import Inspection, inspection
 from ._native import native_model, native_of_arrays
-from ._options import Material, Unit, material as a_material
+from ._material import Material, material as a_material
+from ._options import Unit
 from ._render import render
-from ._run import Progress, running
+from ._run import Progress, log, running
 
 
 class Model:
-    """A scene of meshes, materials, lights and cameras. Created by `load` or `Mesh`; immutable."""
+    """A scene of meshes, materials, lights and cameras. Created by `load`, `Mesh` or `Scene`; immutable.
+
+    Examples
+    --------
+    >>> scan = tt.load("scan.ply")
+    >>> scan
+    <taotie.Model 'scan.ply', 1520 triangles>
+    >>> scan.bounds.shape
+    (2, 3)
+    """
 
     _native: _taotie.Model
     _path: str | None
@@ -58,44 +69,118 @@ class Model:
         dict
             ``vertices`` (n, 3) float32, ``faces`` (m, 3) uint32, ``normals`` (n, 3), and if present ``uvs``
             (n, 2) with their origin top left, ``tangents`` (n, 4) and ``colors`` (n, 4), linear RGBA.
+
+        Examples
+        --------
+        >>> scan.arrays()["faces"].shape
+        (1520, 3)
         """
         return self._native.arrays()
 
     def with_material(self, material: Material | PathLike) -> Model:
-        """Return the same model with another material, a `Material`, the name of a preset, or a TOML file."""
-        return Model(self._native.dressed(a_material(material)._options()))
+        """Return the same model with another material, a `Material`, the name of a preset, or a TOML file.
+
+        Examples
+        --------
+        >>> bronze = scan.with_material("bronze")
+        >>> worn = scan.with_material(tt.Material("bronze", roughness=0.6))
+        """
+        return Model(self._native.dressed(a_material(material)._request()))
 
     def inspect(self) -> Inspection:
-        """Return the content of the model and its defects."""
+        """Return the content of the model and its defects.
+
+        Examples
+        --------
+        >>> scan.inspect().format
+        'PLY'
+        """
         return inspection(self._native)
 
     def glb(self) -> bytes:
-        """Return the scene as a GLB. Warns about everything that glTF cannot express."""
+        """Return the scene as a GLB. Warns about everything that glTF cannot express.
+
+        Examples
+        --------
+        >>> scan.glb()[:4]
+        b'glTF'
+        """
         data, left = self._native.glb()
         warn(left)
         return data
 
-    def to_trimesh(self) -> Any:
-        """Return a ``trimesh.Trimesh`` in world space; its UVs have their origin bottom left."""
-        import trimesh
+    def save(self, path: PathLike) -> None:
+        """Write the scene as glTF, with materials, textures, lights and cameras, but without animations.
 
-        arrays = self.arrays()
-        uvs = arrays.get("uvs")
-        visual = None if uvs is None else trimesh.visual.TextureVisuals(uv=uvs * [1.0, -1.0] + [0.0, 1.0])
-        return trimesh.Trimesh(
-            arrays["vertices"], arrays["faces"], vertex_normals=arrays.get("normals"), visual=visual, process=False
-        )
+        Parameters
+        ----------
+        path : str or path
+            ``.glb``, or ``.gltf`` with its data and textures next to it.
+
+        Raises
+        ------
+        Error
+            If the name ends otherwise, the file is one that the model was read from, or it cannot be written.
+
+        Warns
+        -----
+        TaotieWarning
+            About everything that glTF cannot express.
+
+        Examples
+        --------
+        >>> scan.save("scan.glb")
+        >>> tt.load("scan.glb").triangles == scan.triangles
+        True
+        """
+        file = a_path("path", path)
+        warn(_taotie.save_model(self._native, file))
+        log.info("wrote %s", file)
+
+    def to_trimesh(self) -> Any:
+        """Return a ``trimesh.Trimesh`` in world space, with normals, UVs, colours and materials.
+
+        Several materials become a ``MultiMaterial``. Textures have 8 bits per channel and need Pillow.
+
+        Warns
+        -----
+        TaotieWarning
+            About everything that trimesh cannot hold.
+
+        Examples
+        --------
+        >>> mesh = scan.to_trimesh()  # doctest: +SKIP
+        """
+        parts, left_out = self._native.parts()
+        return to_trimesh(parts, left_out)
 
     def to_pyvista(self) -> Any:
-        """Return a ``pyvista.PolyData`` in world space."""
-        import pyvista
+        """Return a ``pyvista.PolyData`` in world space, with normals, UVs and colours (``RGBA``, sRGB).
 
-        arrays = self.arrays()
-        mesh = pyvista.PolyData.from_regular_faces(arrays["vertices"], arrays["faces"].astype(np.int64))
-        mesh.point_data["Normals"] = arrays["normals"]
-        if "uvs" in arrays:
-            mesh.active_texture_coordinates = arrays["uvs"] * [1.0, -1.0] + [0.0, 1.0]
-        return mesh
+        Warns
+        -----
+        TaotieWarning
+            About materials and textures, which PyVista keeps apart from meshes.
+
+        Examples
+        --------
+        >>> mesh = scan.to_pyvista()  # doctest: +SKIP
+        """
+        return to_pyvista(self._native.parts()[0])
+
+    def to_open3d(self) -> Any:
+        """Return an ``open3d.geometry.TriangleMesh`` in world space, with normals, UVs, colours and colour textures.
+
+        Warns
+        -----
+        TaotieWarning
+            About everything else of materials, which that class cannot hold.
+
+        Examples
+        --------
+        >>> mesh = scan.to_open3d()  # doctest: +SKIP
+        """
+        return to_open3d(self._native.parts()[0])
 
     def _preview(self) -> Image:
         return render(self, size=(480, 480), env="studio", background="transparent")
@@ -128,14 +213,25 @@ class Mesh(Model):
     uvs : array_like, optional
         Texture coordinates, ``(n, 2)``; the origin is top left, as in glTF.
     colors : array_like, optional
-        Linear RGB or RGBA, ``(n, 3)`` or ``(n, 4)``.
+        RGB or RGBA, ``(n, 3)`` or ``(n, 4)``: linear floats in [0, 1], or sRGB codes of uint8; alpha is linear in both.
     material : Material or str, optional
         Its material: a `Material`, the name of a preset, or a TOML file.
 
     Raises
     ------
-    Error
-        If an array has another shape or dtype, an index is out of range, or a number is not finite.
+    InvalidValue
+        If an array has another shape, an index is out of range, or a number is not finite or out of range.
+    InvalidType
+        If an array has another dtype.
+
+    Examples
+    --------
+    >>> square = tt.Mesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
+    >>> square
+    <taotie.Mesh 2 triangles>
+    >>> uvs = [[0, 1], [1, 1], [1, 0], [0, 0]]
+    >>> paint = tt.Material(base_color_map=np.zeros((8, 8, 3), np.uint8), roughness=0.4)
+    >>> painted = tt.Mesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]], uvs=uvs, material=paint)
     """
 
     def __init__(
@@ -157,13 +253,13 @@ def _from_glb(data: bytes, path: str | None) -> Model:
         with open(file, "wb") as opened:
             opened.write(data)
         with running(None, None) as run:
-            return Model(_taotie.load(file, {}, run).without_file(), path)
+            return Model(_taotie.load(file, {"material": a_material(None)._request(), "options": {}}, run).without_file(), path)
 
 
 def scan_options(crease_angle: float | None, green: str, unit: str | None) -> dict[str, Any]:
     """Return the options for reading a scan, for the native module."""
     if unit not in (None, "mm", "cm", "m", "in"):
-        raise invalid(f"unit {unit!r}", "expected mm, cm, m or in")
+        raise invalid(f"unit {unit!r}", "unknown; expected one of: mm, cm, m, in")
     if green not in ("auto", "up", "down"):
         raise invalid(f"scan_green {green!r}", "expected auto, up or down")
     return {"crease_angle_deg": crease_angle, "green": None if green == "auto" else green, "unit": unit}
@@ -209,24 +305,31 @@ def load(
 
     Raises
     ------
-    Error
-        With ``path``, ``where`` and ``remedy``.
+    FileError
+        If the file cannot be read or violates its format; `MissingFile` if it does not exist.
 
     Warns
     -----
     TaotieWarning
         If something was wrong with the file and has been fixed, or was left out.
+
+    Examples
+    --------
+    >>> scan = tt.load("scan.ply", unit="mm")
     """
-    request = {
-        "material": a_material(material)._options(),
+    options = {
         "scan": scan_options(crease_angle, scan_green, unit),
         "memory_limit": memory_limit,
         "allow_outside": allow_outside,
     }
+    request = {"material": a_material(material)._request(), "options": options}
+    file = a_path("path", path)
     with running(progress, None) as run:
-        native = _taotie.load(os.fspath(path), request, run)
+        native = _taotie.load(file, request, run)
     warn(native.warnings())
-    return Model(native, None if material is not None else os.fspath(path))
+    model = Model(native, None if material is not None else file)
+    log.info("read %s: %d triangles", file, model.triangles)
+    return model
 
 
 def model(thing: Any, material: Material | PathLike | None = None, bump_scale: float | None = None) -> Model:
@@ -234,5 +337,5 @@ def model(thing: Any, material: Material | PathLike | None = None, bump_scale: f
     is_unchanged = material is None and bump_scale is None
     if isinstance(thing, Model) and is_unchanged:
         return thing
-    is_file = isinstance(thing, (str, os.PathLike)) and is_unchanged
-    return Model(native_model(thing, material, bump_scale), os.fspath(thing) if is_file else None)
+    file = os.fspath(thing) if is_unchanged and isinstance(thing, (str, os.PathLike)) else None
+    return Model(native_model(thing, material, bump_scale), file)

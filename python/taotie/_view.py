@@ -10,7 +10,7 @@ from . import _taotie
 from ._arrays import PathLike
 from ._error import invalid, warn
 from ._model import model as a_model
-from ._options import ViewOptions, check, image_request, renderer_request, takes
+from ._options import ViewOptions, check, environment, image_request, renderer_request, takes
 from ._run import running
 
 if TYPE_CHECKING:
@@ -20,17 +20,36 @@ if TYPE_CHECKING:
 
 
 class Viewer:
-    """A page that shows a model in a browser. Created by `view`; notebooks display it, and it fetches nothing."""
+    """A page that shows a model in a browser. Created by `view`; notebooks display it, and it fetches nothing.
 
-    def __init__(self, native: _taotie.Viewer) -> None:
-        self._native = native
+    Examples
+    --------
+    >>> page = tt.view(asset, scan=scan)
+    >>> page
+    <taotie.Viewer 'Model'>
+    """
+
+    def __init__(self, native: _taotie.Viewer, title: str) -> None:
+        self._native, self._title = native, title
 
     def html(self) -> str:
-        """Return the page as one HTML document, as ``taotie view -o`` writes it."""
+        """Return the page as one HTML document, as ``taotie view -o`` writes it.
+
+        Examples
+        --------
+        >>> tt.view(scan).html()[:15]
+        '<!doctype html>'
+        """
         return self._native.html()
 
     def files(self) -> dict[str, bytes]:
-        """Return the page and its accompanying files by name, as ``taotie view --folder`` writes them."""
+        """Return the page and its accompanying files by name, as ``taotie view --folder`` writes them.
+
+        Examples
+        --------
+        >>> "asset.glb" in tt.view(scan).files()
+        True
+        """
         return self._native.files()
 
     def save(self, path: PathLike) -> None:
@@ -40,6 +59,10 @@ class Viewer:
         ----------
         path : str or path
             The file, ending with ``.html``.
+
+        Examples
+        --------
+        >>> tt.view(asset, scan=scan).save("proof.html")
         """
         name = os.fspath(path)
         if not name.lower().endswith(".html"):
@@ -54,6 +77,11 @@ class Viewer:
         ----------
         height : int
             Height of the image, in pixels.
+
+        Examples
+        --------
+        >>> seen = tt.view(asset).widget()  # doctest: +SKIP
+        >>> seen.light = (-75, 10)  # doctest: +SKIP
         """
         from ._widget import Widget
 
@@ -64,7 +92,7 @@ class Viewer:
         return f'<iframe srcdoc="{page}" title="Taotie" style="width: 100%; height: 480px; border: 0"></iframe>'
 
     def __repr__(self) -> str:
-        return "<taotie.Viewer>"
+        return f"<taotie.Viewer {self._title!r}>"
 
 
 @takes(ViewOptions)
@@ -101,12 +129,18 @@ def view(
     ------
     Error
         With ``path``, ``where`` and ``remedy``.
+
+    Examples
+    --------
+    >>> tt.view(asset, scan=scan, light="directional from=-75,10 strength=4").save("proof.html")
     """
     check("view", options, ViewOptions)
     seen = a_model(model, options.get("material"), options.get("bump_scale"))
+    title = title or os.path.basename(seen.path or "") or "Model"
     request = {
-        "title": title or os.path.basename(seen.path or "") or "Model",
+        "title": title,
         "setup": renderer_request(options),
+        "environment": environment(options),
         "image": image_request(options),
         "scan": None if scan is None else a_model(scan)._native,
         "publish_scan": publish_scan,
@@ -114,4 +148,4 @@ def view(
     with running(options.get("progress"), options.get("threads")) as run:
         native = _taotie.Viewer(seen._native, request, run)
     warn(native.warnings())
-    return Viewer(native)
+    return Viewer(native, title)

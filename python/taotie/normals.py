@@ -10,13 +10,13 @@ import numpy.typing as npt
 
 from . import _taotie
 from ._arrays import Array, image
-from ._error import invalid, warn
+from ._error import choose, invalid, invalid_type, number, warn
 from ._run import Progress, running
 
 __all__ = ["Converted", "convert", "from_height"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Converted:
     """A normal map, with the error due to storing it.
 
@@ -26,10 +26,19 @@ class Converted:
         ``(H, W, 3)`` uint8 or uint16.
     error_deg : ndarray
         ``(H, W)`` float32: degrees between the exact normals and the stored ones; NaN where there is none.
+
+    Examples
+    --------
+    >>> tt.normals.convert(np.full((8, 8), 0.5, np.float32), source="height", height_scale=4, bits=8)
+    <taotie.Converted 8x8 uint8>
     """
 
     map: Array = field(repr=False)
     error_deg: npt.NDArray[np.float32] = field(repr=False)
+
+    def __repr__(self) -> str:
+        height, width = self.map.shape[:2]
+        return f"<taotie.Converted {width}x{height} {self.map.dtype}>"
 
 
 def from_height(
@@ -56,16 +65,28 @@ def from_height(
     -------
     ndarray
         ``(H, W, 3)`` float32, unit, green up. Use `convert` for a map of 8 or 16 bits.
+
+    Examples
+    --------
+    >>> slope = np.tile(np.linspace(0, 1, 8, dtype=np.float32), (8, 1))
+    >>> tt.normals.from_height(slope, scale=7, border="clamp")[4, 4].round(3)
+    array([-0.707,  0.   ,  0.707], dtype=float32)
     """
     array = np.asarray(heights)
-    if array.ndim != 2 or array.dtype.kind not in "fu" or array.size == 0:
-        raise invalid("heights", f"an array of shape {array.shape}, dtype {array.dtype}; expected (H, W), floats, uint8 or uint16")
+    expected = "(H, W), floats, uint8 or uint16"
+    if array.dtype.kind not in "fu":
+        raise invalid_type("heights", heights, f"an array of {expected}")
+    if array.ndim != 2 or array.size == 0:
+        raise invalid("heights", f"an array of shape {array.shape}, dtype {array.dtype}; expected {expected}")
+    if not np.isfinite(array).all():
+        raise invalid("heights", "an infinite value or NaN; expected finite numbers")
+    choose("border", border, ("repeat", "mirror", "clamp"))
     if array.dtype.kind == "u":
         array = array.astype(np.float32) / np.float32(np.iinfo(array.dtype).max)
     values = np.ascontiguousarray(array, dtype=np.float32).reshape(-1)
     height, width = array.shape
     normals: npt.NDArray[np.float32] = _taotie.normals_of_heights(
-        {"values": values, "size": [width, height]}, float(scale), border
+        {"values": values, "size": [width, height]}, number("scale", scale), border
     )
     return normals
 
@@ -106,7 +127,14 @@ def convert(
     Returns
     -------
     Converted
+
+    Examples
+    --------
+    >>> directx = np.full((4, 4, 3), (128, 90, 240), np.uint8)
+    >>> tt.normals.convert(directx, source="tangent", green_in="down").map[0, 0]
+    array([128, 165, 240], dtype=uint8)
     """
+    choose("source", source, ("auto", "height", "tangent", "object"))
     contents: dict[str, Any] = {"auto": None, "height": "heights"}
     request = {
         "content": contents.get(source, {"normals": source}),
@@ -115,7 +143,7 @@ def convert(
             "green": green,
             "bits": bits,
             "dither": dither,
-            "height_scale": None if height_scale is None else float(height_scale),
+            "height_scale": None if height_scale is None else number("height_scale", height_scale),
             "border": border,
         },
     }

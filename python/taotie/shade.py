@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _taotie
-from ._error import invalid
+from ._error import invalid, invalid_type
 
 Numbers: TypeAlias = npt.NDArray[Any]
 Like: TypeAlias = npt.ArrayLike
@@ -82,6 +82,12 @@ def gradient(
     derivatives : dict of ndarray
         By each argument of ``wrt``: with the shape of the value, plus an axis of 3 if the argument is a vector.
         At a kink of a formula they are those of the branch taken.
+
+    Examples
+    --------
+    >>> value, by = tt.shade.gradient("d_ggx", "alpha", n_dot_h=0.9, alpha=[0.25, 0.5])
+    >>> by["alpha"].round(4)
+    array([ 1.5921, -0.0658])
     """
     names = (wrt,) if isinstance(wrt, str) else tuple(wrt)
     if formula == "reflect":
@@ -113,7 +119,7 @@ def _with_sine(formula: str, arguments: Mapping[str, Any]) -> dict[str, Any]:
     """Return the arguments, adding sin² if the formula needs it and it is missing."""
     given = dict(arguments)
     if "sin2_h" in _ARGUMENTS[formula] and given.get("sin2_h") is None and "n_dot_h" in given:
-        cosine = np.asarray(given["n_dot_h"])
+        cosine = _numbers("n_dot_h", given["n_dot_h"])
         given["sin2_h"] = (1 - cosine) * (1 + cosine)
     return given
 
@@ -137,11 +143,9 @@ def _computed(
     unknown = [name for name in given if name not in sizes]
     if missing or unknown:
         raise invalid(f"argument {(missing or unknown)[0]!r}", f"the formula takes {', '.join(sizes)}")
-    arrays = {name: np.asarray(given[name]) for name in sizes}
+    arrays = {name: _numbers(name, given[name]) for name in sizes}
     for name, size in sizes.items():
         array = arrays[name]
-        if array.dtype.kind not in "fiu":
-            raise invalid(name, f"an array of dtype {array.dtype}; expected float32 or float64")
         if size == 3 and (array.ndim == 0 or array.shape[-1] != 3):
             raise invalid(name, f"an array of shape {array.shape}; expected (..., 3)")
     dtype = _precision([given[name] for name in sizes], list(arrays.values()))
@@ -158,6 +162,13 @@ def _computed(
         at += size
     values, partials = _taotie.shade(native, rows.reshape(-1, rows.shape[-1]), by)
     return values, partials, shape
+
+
+def _numbers(name: str, given: Any) -> Numbers:
+    array = np.asarray(given)
+    if array.dtype.kind not in "fiu":
+        raise invalid_type(name, given, f"float32 or float64, not {array.dtype}")
+    return array
 
 
 def _precision(given: list[Any], arrays: list[Numbers]) -> Any:
@@ -218,6 +229,12 @@ def reflect(
     -------
     ndarray
         ``(..., 3)`` linear RGB, with single scattering only, as with ``energy="single"``.
+
+    Examples
+    --------
+    >>> seen = {"n": [0, 0, 1], "v": [0.6, 0, 0.8], "l": [-0.6, 0, 0.8]}
+    >>> tt.shade.reflect("ggx", **seen, base_color=(1, 0.8, 0.3), metallic=1, roughness=0.4).round(3)
+    array([3.858, 3.087, 1.158])
     """
     arguments = dict(n=n, v=v, l=l, base_color=base_color, metallic=metallic, roughness=roughness, ior=ior)
     sizes, given = _reflect_arguments({**arguments, "f0": f0, "f82": f82, "slope": slope, "shininess": shininess})
@@ -226,17 +243,35 @@ def reflect(
 
 
 def alpha_from_roughness(roughness: Like) -> Numbers:
-    """Return α = roughness², at least 1e-3. Burley 2012, §5.4; glTF 2.0, appendix B."""
+    """Return α = roughness², at least 1e-3. Burley 2012, §5.4; glTF 2.0, appendix B.
+
+    Examples
+    --------
+    >>> float(tt.shade.alpha_from_roughness(0.5).round(4))
+    0.25
+    """
     return _compute("alpha_from_roughness", roughness=roughness)
 
 
 def alpha_from_shininess(shininess: Like) -> Numbers:
-    """Return α with α² = 2/(s + 2). Walter et al. 2007, §5.2."""
+    """Return α with α² = 2/(s + 2). Walter et al. 2007, §5.2.
+
+    Examples
+    --------
+    >>> float(tt.shade.alpha_from_shininess(30).round(4))
+    0.25
+    """
     return _compute("alpha_from_shininess", shininess=shininess)
 
 
 def shininess_from_alpha(alpha: Like) -> Numbers:
-    """Return the Blinn exponent s = 2/α² − 2. Walter et al. 2007, §5.2."""
+    """Return the Blinn exponent s = 2/α² − 2. Walter et al. 2007, §5.2.
+
+    Examples
+    --------
+    >>> float(tt.shade.shininess_from_alpha(0.25).round(4))
+    30.0
+    """
     return _compute("shininess_from_alpha", alpha=alpha)
 
 
@@ -244,6 +279,11 @@ def d_beckmann(n_dot_h: Like, slope: Like, *, sin2_h: Like | None = None) -> Num
     """Return Beckmann's normal distribution, sr⁻¹. Cook and Torrance 1982, eq. 5 with 1/π; Walter et al. 2007, eq. 25.
 
     ``sin2_h`` is 1 − (n·h)², by default computed from n·h; near a highlight it has digits that n·h lacks.
+
+    Examples
+    --------
+    >>> float(tt.shade.d_beckmann(0.9, slope=0.5).round(4))
+    0.7594
     """
     return _compute("d_beckmann", n_dot_h=n_dot_h, sin2_h=sin2_h, slope=slope)
 
@@ -259,107 +299,232 @@ def d_ggx(n_dot_h: Like, alpha: Like, *, sin2_h: Like | None = None) -> Numbers:
         In [1e-3, 1].
     sin2_h : array_like, optional
         1 − (n·h)²; near a highlight it has digits that n·h lacks.
+
+    Examples
+    --------
+    >>> tt.shade.d_ggx([0.8, 0.9, 1.0], alpha=0.5).round(4)
+    array([0.2943, 0.5165, 1.2732])
     """
     return _compute("d_ggx", n_dot_h=n_dot_h, sin2_h=sin2_h, alpha=alpha)
 
 
 def d_blinn(n_dot_h: Like, shininess: Like) -> Numbers:
-    """Return Blinn's normal distribution, sr⁻¹. Blinn 1977; Walter et al. 2007, eq. 30."""
+    """Return Blinn's normal distribution, sr⁻¹. Blinn 1977; Walter et al. 2007, eq. 30.
+
+    Examples
+    --------
+    >>> float(tt.shade.d_blinn(0.9, shininess=30).round(4))
+    0.2159
+    """
     return _compute("d_blinn", n_dot_h=n_dot_h, shininess=shininess)
 
 
 def d_charlie(sin2_h: Like, roughness: Like) -> Numbers:
-    """Return the "Charlie" distribution of fibres, sr⁻¹. Estevez and Kulla 2017, eq. 2."""
+    """Return the "Charlie" distribution of fibres, sr⁻¹. Estevez and Kulla 2017, eq. 2.
+
+    Examples
+    --------
+    >>> float(tt.shade.d_charlie(0.5, roughness=0.5).round(4))
+    0.2387
+    """
     return _compute("d_charlie", sin2_h=sin2_h, roughness=roughness)
 
 
 def g_v_cavity(n_dot_l: Like, n_dot_v: Like, n_dot_h: Like, v_dot_h: Like) -> Numbers:
-    """Return the masking of V-shaped grooves, [0, 1]. Cook and Torrance 1982, §4."""
+    """Return the masking of V-shaped grooves, [0, 1]. Cook and Torrance 1982, §4.
+
+    Examples
+    --------
+    >>> float(tt.shade.g_v_cavity(0.8, 0.6, 0.9, 0.7).round(4))
+    1.0
+    """
     return _compute("g_v_cavity", n_dot_l=n_dot_l, n_dot_v=n_dot_v, n_dot_h=n_dot_h, v_dot_h=v_dot_h)
 
 
 def v_smith_ggx(n_dot_l: Like, n_dot_v: Like, alpha: Like) -> Numbers:
-    """Return the height-correlated visibility of GGX, G/(4 n·l n·v). Heitz 2014."""
+    """Return the height-correlated visibility of GGX, G/(4 n·l n·v). Heitz 2014.
+
+    Examples
+    --------
+    >>> float(tt.shade.v_smith_ggx(0.8, 0.6, alpha=0.25).round(4))
+    0.5029
+    """
     return _compute("v_smith_ggx", n_dot_l=n_dot_l, n_dot_v=n_dot_v, alpha=alpha)
 
 
 def g1_schlick_ggx(cosine: Like, k: Like) -> Numbers:
-    """Return Schlick's masking in one direction, cos/(cos (1 − k) + k). Schlick 1994; Karis 2013."""
+    """Return Schlick's masking in one direction, cos/(cos (1 − k) + k). Schlick 1994; Karis 2013.
+
+    Examples
+    --------
+    >>> float(tt.shade.g1_schlick_ggx(0.8, k=0.25).round(4))
+    0.9412
+    """
     return _compute("g1_schlick_ggx", cosine=cosine, k=k)
 
 
 def v_schlick_ggx(n_dot_l: Like, n_dot_v: Like, k: Like) -> Numbers:
-    """Return the visibility of Schlick's masking in both directions. Schlick 1994; Karis 2013."""
+    """Return the visibility of Schlick's masking in both directions. Schlick 1994; Karis 2013.
+
+    Examples
+    --------
+    >>> float(tt.shade.v_schlick_ggx(0.8, 0.6, k=0.25).round(4))
+    0.4202
+    """
     return _compute("v_schlick_ggx", n_dot_l=n_dot_l, n_dot_v=n_dot_v, k=k)
 
 
 def k_for_lights(roughness: Like) -> Numbers:
-    """Return Schlick's k for lights. Karis 2013."""
+    """Return Schlick's k for lights. Karis 2013.
+
+    Examples
+    --------
+    >>> float(tt.shade.k_for_lights(0.5).round(4))
+    0.2812
+    """
     return _compute("k_for_lights", roughness=roughness)
 
 
 def k_for_environment(roughness: Like) -> Numbers:
-    """Return Schlick's k for environments. Karis 2013."""
+    """Return Schlick's k for environments. Karis 2013.
+
+    Examples
+    --------
+    >>> float(tt.shade.k_for_environment(0.5).round(4))
+    0.125
+    """
     return _compute("k_for_environment", roughness=roughness)
 
 
 def v_neubelt(n_dot_l: Like, n_dot_v: Like) -> Numbers:
-    """Return the visibility of sheen, sr⁻¹, at most 1. Neubelt and Pettineo 2013."""
+    """Return the visibility of sheen, sr⁻¹, at most 1. Neubelt and Pettineo 2013.
+
+    Examples
+    --------
+    >>> float(tt.shade.v_neubelt(0.8, 0.6).round(4))
+    0.2717
+    """
     return _compute("v_neubelt", n_dot_l=n_dot_l, n_dot_v=n_dot_v)
 
 
 def f_schlick(f0: Like, v_dot_h: Like) -> Numbers:
-    """Return Schlick's Fresnel reflectance, ``(..., 3)``. Schlick 1994."""
+    """Return Schlick's Fresnel reflectance, ``(..., 3)``. Schlick 1994.
+
+    Examples
+    --------
+    >>> tt.shade.f_schlick((1.0, 0.8, 0.3), 0.5).round(4)
+    array([1.    , 0.8062, 0.3219])
+    """
     return _compute("f_schlick", f0=f0, v_dot_h=v_dot_h)
 
 
 def f_schlick_f90(f0: Like, f90: Like, v_dot_h: Like) -> Numbers:
-    """Return Schlick's Fresnel reflectance between two colours, ``(..., 3)``."""
+    """Return Schlick's Fresnel reflectance between two colours, ``(..., 3)``.
+
+    Examples
+    --------
+    >>> tt.shade.f_schlick_f90((0.04, 0.04, 0.04), (1, 1, 1), 0.5).round(4)
+    array([0.07, 0.07, 0.07])
+    """
     return _compute("f_schlick_f90", f0=f0, f90=f90, v_dot_h=v_dot_h)
 
 
 def f82_drop(f0: Like, f82: Like) -> Numbers:
-    """Return Lazányi's coefficient for a reflectance at 82 degrees, ``(..., 3)``. Kutz, Hašan and Edmondson 2021."""
+    """Return Lazányi's coefficient for a reflectance at 82 degrees, ``(..., 3)``. Kutz, Hašan and Edmondson 2021.
+
+    Examples
+    --------
+    >>> tt.shade.f82_drop((1.0, 0.78, 0.34), (0.9, 0.8, 0.6)).round(4)
+    array([1.7651, 1.4436, 0.8006])
+    """
     return _compute("f82_drop", f0=f0, f82=f82)
 
 
 def f_f82(f0: Like, f90: Like, drop: Like, v_dot_h: Like) -> Numbers:
-    """Return Schlick's reflectance with Lazányi's correction for metals, ``(..., 3)``; ``drop`` from `f82_drop`."""
+    """Return Schlick's reflectance with Lazányi's correction for metals, ``(..., 3)``; ``drop`` from `f82_drop`.
+
+    Examples
+    --------
+    >>> tt.shade.f_f82((1.0, 0.78, 0.34), 1.0, (0.1, 0.2, 0.3), 0.5).round(4)
+    array([0.9992, 0.7853, 0.3583])
+    """
     return _compute("f_f82", f0=f0, f90=f90, drop=drop, v_dot_h=v_dot_h)
 
 
 def f_dielectric(cos_theta: Like, eta: Like) -> Numbers:
-    """Return the exact Fresnel reflectance of a dielectric of relative index ``eta``. Born and Wolf, §1.5.2."""
+    """Return the exact Fresnel reflectance of a dielectric of relative index ``eta``. Born and Wolf, §1.5.2.
+
+    Examples
+    --------
+    >>> float(tt.shade.f_dielectric(1.0, eta=1.5).round(4))
+    0.04
+    """
     return _compute("f_dielectric", cos_theta=cos_theta, eta=eta)
 
 
 def f_conductor(cos_theta: Like, eta: Like, k: Like) -> Numbers:
-    """Return the exact Fresnel reflectance of a conductor of index ``eta + i k``. Born and Wolf, §14.2."""
+    """Return the exact Fresnel reflectance of a conductor of index ``eta + i k``. Born and Wolf, §14.2.
+
+    Examples
+    --------
+    >>> float(tt.shade.f_conductor(1.0, eta=0.2, k=3.0).round(4))
+    0.9234
+    """
     return _compute("f_conductor", cos_theta=cos_theta, eta=eta, k=k)
 
 
 def coat_fresnel(cosine: Like) -> Numbers:
-    """Return Schlick's reflectance of a clearcoat of index 1.5. KHR_materials_clearcoat."""
+    """Return Schlick's reflectance of a clearcoat of index 1.5. KHR_materials_clearcoat.
+
+    Examples
+    --------
+    >>> float(tt.shade.coat_fresnel(0.5).round(4))
+    0.07
+    """
     return _compute("coat_fresnel", cosine=cosine)
 
 
 def specular_occlusion(n_dot_v: Like, occlusion: Like, roughness: Like) -> Numbers:
-    """Return the unoccluded share of a highlight's environment. Lagarde and de Rousiers 2014, listing 26."""
+    """Return the unoccluded share of a highlight's environment. Lagarde and de Rousiers 2014, listing 26.
+
+    Examples
+    --------
+    >>> float(tt.shade.specular_occlusion(0.8, occlusion=0.5, roughness=0.4).round(4))
+    0.5016
+    """
     return _compute("specular_occlusion", n_dot_v=n_dot_v, occlusion=occlusion, roughness=roughness)
 
 
 def inverse_square(distance_squared: Like) -> Numbers:
-    """Return the falloff of a point light, 1/d²."""
+    """Return the falloff of a point light, 1/d².
+
+    Examples
+    --------
+    >>> float(tt.shade.inverse_square(4.0).round(4))
+    0.25
+    """
     return _compute("inverse_square", distance_squared=distance_squared)
 
 
 def range_window(distance_squared: Like, range: Like) -> Numbers:
-    """Return the window that fades a light to zero at its range. KHR_lights_punctual."""
+    """Return the window that fades a light to zero at its range. KHR_lights_punctual.
+
+    Examples
+    --------
+    >>> float(tt.shade.range_window(4.0, range=3.0).round(4))
+    0.8025
+    """
     return _compute("range_window", distance_squared=distance_squared, range=range)
 
 
 def spot_cone(cos_angle: Like, cos_inner: Like, cos_outer: Like) -> Numbers:
-    """Return the share of a spot light's intensity at an angle to its axis. KHR_lights_punctual."""
+    """Return the share of a spot light's intensity at an angle to its axis. KHR_lights_punctual.
+
+    Examples
+    --------
+    >>> float(tt.shade.spot_cone(0.95, cos_inner=0.98, cos_outer=0.9).round(4))
+    0.3906
+    """
     return _compute("spot_cone", cos_angle=cos_angle, cos_inner=cos_inner, cos_outer=cos_outer)
 
 

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import json
+import logging
 import pickle
+import sys
 import warnings
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -123,6 +126,24 @@ def test_standalone_maps_are_written_as_pictures(scan: tt.Model, asset: tt.Asset
     assert np.array_equal(np.asarray(Pillow.open(path)), maps.maps()["normal"])
 
 
+def test_standalone_maps_of_several_materials_are_a_set_for_each(
+    scan: tt.Model, asset: tt.Asset, tmp_path: Path
+) -> None:
+    level = asset.levels()[0]
+    lines = [f"v {x} {y} {z}" for x, y, z in level["vertices"]] + [f"vt {u} {v}" for u, v in level["uvs"]]
+    faces = ["f " + " ".join(f"{i + 1}/{i + 1}" for i in face) for face in level["faces"]]
+    middle = len(faces) // 2
+    parts = ["usemtl wood", *faces[:middle], "usemtl iron", *faces[middle:]]
+    (tmp_path / "low.mtl").write_text("newmtl wood\nnewmtl iron\n")
+    (tmp_path / "low.obj").write_text("\n".join(["mtllib low.mtl", *lines, *parts]) + "\n")
+    maps = tt.bake(scan, low=tmp_path / "low.obj", size=64)
+    written = maps.save(tmp_path / "normal.png")
+    assert [Path(file).name for file in written.files] == ["normal.wood.png", "normal.iron.png"]
+    for file, material in zip(written.files, ["wood", "iron"], strict=True):
+        assert np.array_equal(np.asarray(Pillow.open(file)), maps.maps(material)["normal"])
+    assert [note["material"] for note in written.report()["maps"]] == ["wood", "iron"]
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [
@@ -154,3 +175,63 @@ def test_progress_reports_the_stages(scan: tt.Model, capfd: pytest.CaptureFixtur
     assert "bake" in heard
     tt.bake(scan, triangles=300, size=256, samples=16, progress=True)
     assert "bake" in capfd.readouterr().err
+
+
+def test_one_bar_shows_all_stages(scan: tt.Model, monkeypatch: pytest.MonkeyPatch) -> None:
+    class Bar:
+        """A fake of tqdm's."""
+
+        made: list[Bar] = []
+
+        def __init__(self, total: int, **_: object) -> None:
+            self.total, self.n, self.stages, self.steps = total, 0, [], []
+            Bar.made.append(self)
+
+        def set_description(self, stage: str, refresh: bool) -> None:
+            self.stages.append(stage)
+
+        def update(self, step: int) -> None:
+            self.n += step
+            self.steps.append(step)
+
+        def close(self) -> None:
+            assert self.n <= self.total and min(self.steps) >= 0
+
+    monkeypatch.setitem(sys.modules, "tqdm", SimpleNamespace())
+    monkeypatch.setitem(sys.modules, "tqdm.auto", SimpleNamespace(tqdm=Bar))
+    asset = tt.bake(scan, triangles=300, size=256, samples=16, progress=True)
+    asset.verify(scan, points=1000, view=64, progress=True)
+    assert len(Bar.made) == 2 and all(len(set(bar.stages)) > 1 for bar in Bar.made)
+
+
+def test_stages_and_results_are_logged(scan: tt.Model, tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    with caplog.at_level(logging.DEBUG, logger="taotie"):
+        asset = tt.bake(scan, triangles=300, size=256, samples=16)
+        asset.save(tmp_path / "a.glb").verify(scan, points=1000, view=64)
+    said = {record.levelno: [] for record in caplog.records}
+    for record in caplog.records:
+        said[record.levelno].append(record.getMessage())
+    assert "bake" in said[logging.DEBUG]
+    assert [text.split()[0] for text in said[logging.INFO]] == ["baked", "wrote", "proved"]
+
+
+def test_a_proof_displays_in_notebooks(asset: tt.Asset, scan: tt.Model) -> None:
+    proof = asset.verify(scan, points=1000, view=64)
+    shown = proof._repr_html_()
+    assert shown.startswith("<table>") and f"{proof.mean_deg:.3g}°" in shown and len(shown) < 200_000
+    assert shown.count("data:image/png;base64,") == 1
+
+
+def test_representations_have_one_line(asset: tt.Asset, scan: tt.Model, tmp_path: Path) -> None:
+    proof = asset.verify(scan, points=1000, view=64)
+    image = tt.render(asset, size=32, linear=True, aov=["depth"])
+    compared = tt.compare(asset, scan, methods=["smooth"], size=64)
+    things = [
+        asset, scan, proof, proof.require(mean_angle=20)[0], asset.save(tmp_path / "a.glb"), image, image.camera,
+        compared, compared.views["smooth"], tt.diff(np.zeros((32, 32), np.uint8), np.ones((32, 32), np.uint8)),
+        tt.Renderer(asset), tt.view(asset), tt.inspect(scan), tt.Scene([scan]), tt.Light("point", at=(1, 2, 3)),
+        tt.Material(base_color_map=np.zeros((99, 99))), tt.Environment(np.zeros((99, 99, 3))), tt.Orbit(1, 2),
+        tt.normals.convert(np.zeros((8, 8), np.float32), source="height", height_scale=1),
+    ]  # fmt: skip
+    for thing in things:
+        assert "\n" not in repr(thing) and len(repr(thing)) < 400, repr(thing)

@@ -34,35 +34,52 @@ def test_arrays_of_any_layout_are_taken(dtype: type) -> None:
         assert np.array_equal(tt.Mesh(layout, faces.astype(np.int64)).arrays()["vertices"], wanted)
 
 
+VALUE, TYPE = tt.InvalidValue, tt.InvalidType
+
+
 @pytest.mark.parametrize(
-    ("change", "words"),
+    ("change", "kind", "words"),
     [
-        ({"vertices": np.zeros((4, 2))}, r"vertices: .*\(4, 2\), dtype float64; expected \(n, 3\), float32 or float64"),
-        ({"vertices": np.zeros((4, 3), np.complex64)}, "complex64"),
-        ({"faces": np.zeros((1, 3))}, r"faces: .*float64; expected \(n, 3\), uint32"),
-        ({"faces": [[0, 1, -1]]}, "an index below 0"),
-        ({"faces": [[0, 1, 9]]}, "9"),
-        ({"uvs": np.zeros((4, 3))}, r"uvs: .*expected \(n, 2\)"),
-        ({"uvs": np.zeros((3, 2))}, "3"),
-        ({"colors": np.zeros((4, 2))}, r"\(n, 3\) or \(n, 4\)"),
-        ({"vertices": np.full((4, 3), np.nan)}, "finite|NaN|number"),
+        ({"vertices": np.zeros((4, 2))}, VALUE, r"vertices: .*\(4, 2\), dtype float64; expected \(n, 3\), float32 or float64"),
+        ({"vertices": np.zeros((4, 3), np.complex64)}, TYPE, "vertices: .*complex64.*expected"),
+        ({"vertices": [[0, 0, 0], [1]]}, TYPE, "vertices .*expected an array of numbers"),
+        ({"vertices": "mesh"}, TYPE, "vertices .*expected an array of numbers"),
+        ({"faces": np.zeros((1, 3))}, TYPE, r"faces: .*float64.*expected \(n, 3\), uint32"),
+        ({"faces": [[0, 1, -1]]}, VALUE, "faces: row 0 has an index below 0, -1; accepted: 0 to 3"),
+        ({"faces": [[0, 1, 2], [0, 1, 9]]}, VALUE, "faces: row 1 .*9; accepted: 0 to 3"),
+        ({"uvs": np.zeros((4, 3))}, VALUE, r"uvs: .*expected \(n, 2\)"),
+        ({"uvs": np.zeros((3, 2))}, VALUE, "uvs: 3 rows; expected 4"),
+        ({"colors": np.zeros((4, 2))}, VALUE, r"colors: .*\(n, 3\) or \(n, 4\)"),
+        ({"colors": np.full((4, 3), 255.0)}, VALUE, "colors: values from 255 to 255; floats are linear, 0 to 1; .*uint8"),
+        ({"colors": np.full((4, 3), -0.1)}, VALUE, "colors: values from -0.1"),
+        ({"colors": np.full((4, 3), np.nan)}, VALUE, "colors: row 0 is .nan.*finite"),
+        ({"colors": np.full((4, 3), 255)}, TYPE, r"colors: .*int64.*uint8 \(sRGB\)"),
+        ({"vertices": np.full((4, 3), np.nan)}, VALUE, "vertices: row 0 is .nan.*finite"),
+        ({"vertices": np.full((4, 3), 1e300)}, VALUE, "vertices: row 0 is .inf.*finite"),
+        ({"normals": [[0, 0, 1], [0, 0, 1], [0, np.inf, 1], [0, 0, 1]]}, VALUE, "normals: row 2 is .*inf.*finite"),
     ],
 )
-def test_wrong_arrays_are_refused_with_shape_and_dtype(change: dict[str, object], words: str) -> None:
+def test_wrong_arrays_are_refused_by_name_with_what_is_accepted(change: dict[str, object], kind: type, words: str) -> None:
     arrays: dict[str, object] = {"vertices": np.eye(4)[:, :3], "faces": [[0, 1, 2]]}
-    with pytest.raises(tt.Error, match=words):
+    with pytest.raises(kind, match=words):
         tt.Mesh(**{**arrays, **change})  # type: ignore[arg-type]
 
 
-def test_meshes_of_others_are_taken_by_their_attributes() -> None:
+def test_codes_of_colors_are_srgb_and_floats_are_linear() -> None:
+    vertices, faces = np.eye(3), [[0, 1, 2]]
+    codes = np.array([[0, 10, 188], [255, 128, 1], [54, 200, 99]], np.uint8)
+    colors = tt.Mesh(vertices, faces, colors=codes).arrays()["colors"]
+    assert np.allclose(colors[0], [0, 10 / 255 / 12.92, 0.502886, 1], atol=1e-6)
+    assert np.array_equal(tt.Mesh(vertices, faces, colors=colors).arrays()["colors"], colors)
+    alpha = tt.Mesh(vertices, faces, colors=np.full((3, 4), 51, np.uint8)).arrays()["colors"][:, 3]
+    assert np.allclose(alpha, 0.2)
+
+
+def test_any_object_with_vertices_and_faces_is_a_mesh() -> None:
     vertices, faces = sphere(16, 8)
-    shown = tt.render(tt.Mesh(vertices, faces), size=32)
-    trimesh = SimpleNamespace(vertices=vertices, faces=faces)
-    open3d = SimpleNamespace(vertices=vertices, triangles=faces.astype(np.int32))
-    pyvista = SimpleNamespace(points=vertices, regular_faces=faces, is_all_triangles=True)
-    for other in (trimesh, open3d, pyvista):
-        assert np.array_equal(tt.render(other, size=32), shown)
-    with pytest.raises(tt.Error, match="an object of type int"):
+    other = SimpleNamespace(vertices=vertices, faces=faces, triangles=None, points=None)
+    assert np.array_equal(tt.render(other, size=32), tt.render(tt.Mesh(vertices, faces), size=32))
+    with pytest.raises(tt.InvalidType, match="model 7: of type int; expected a path, a Model"):
         tt.render(7)
 
 

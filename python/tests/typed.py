@@ -26,7 +26,7 @@ def look(asset: tt.Asset) -> tuple[tt.Image, npt.NDArray[np.float32]]:
     return frames[0] if frames else image, light["depth"]
 
 
-def light(asset: tt.Asset, camera: tt.Camera) -> list[dict[str, npt.NDArray[np.float32]]]:
+def light(asset: tt.Asset, camera: tt.Camera) -> list[tt.Buffers]:
     lights = [tt.Light("directional", from_deg=(-75, 10), strength=4), tt.Light("point", at=(1, 2, 3))]
     options: tt.RenderOptions = {"env": tt.Environment("studio", rotation_deg=30), "light": lights, "size": 256}
     image: tt.Image = tt.render(asset, **options)
@@ -51,3 +51,21 @@ def measure(low: str, high: str) -> dict[str, Any]:
     value, by = tt.shade.gradient("d_ggx", "alpha", n_dot_h=0.9, alpha=heights)
     assert error is None or by["alpha"].shape == value.shape
     return {**found.to_dict(), **report.to_dict()}
+
+
+def see(asset: tt.Asset, pose: npt.NDArray[np.float64], sky: npt.NDArray[np.float32]) -> npt.NDArray[np.uint32]:
+    paint = tt.Material(base_color_map=np.zeros((8, 8, 3), np.uint8), emissive_map="glow.png", emissive=0.5)
+    scene = tt.Scene([asset, (tt.load("plate.glb", material=paint), pose)])
+    scene.save("scene.glb")
+    image: tt.Image = tt.render(scene, camera=tt.Camera(pose=pose, K=np.eye(3)), env=sky, device="auto")
+    seen: tt.Buffers = tt.render(scene, camera=image.camera, linear=True, aov=["position", "triangle"])
+    return seen["triangle"]
+
+
+def misspell(asset: tt.Asset, scan: tt.Model) -> None:
+    tt.verify("asset.glb", scan, point=1000)  # type: ignore[call-arg]
+    asset.verify(scan, points="many")  # type: ignore[arg-type]
+    asset.verify(scan, veiw=64)  # type: ignore[call-arg]
+    asset.save("asset.glb").verify(scan, maps=64)  # type: ignore[call-arg]
+    tt.Renderer(asset).turntable(36, sizes=64)  # type: ignore[call-overload]
+    tt.render(asset, device="tpu")  # type: ignore[call-overload]

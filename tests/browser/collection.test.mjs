@@ -47,6 +47,20 @@ test("the worst assets come first, each with its message", async () => {
     assert.deepEqual(ranks, [...ranks].sort((a, b) => a - b));
 });
 
+test("warnings are listed, and closed if they are long", async () => {
+    const page = await openPage([1280, 900], "#find=/0000&sort=name");
+    const short = page.locator(".card .warnings").first();
+    assert.equal(await short.locator("li").textContent(), "open edges");
+    assert(await short.locator("li").isVisible());
+    await page.goto(address + "#find=/00011");
+    await page.reload();
+    const long = page.locator(".card .warnings");
+    assert.equal(await long.locator("summary").textContent(), "7 warnings");
+    assert(!(await long.locator("li").first().isVisible()));
+    await long.locator("summary").click();
+    assert(await long.locator("li").last().isVisible());
+});
+
 test("pictures next to the page are shown, and loaded only when visible", async () => {
     const page = await openPage([1280, 900], "#state=done&sort=name");
     await page.waitForFunction(() => document.images[0]?.complete && document.images[0].naturalWidth > 0);

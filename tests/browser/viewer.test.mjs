@@ -238,10 +238,13 @@ test("the focus is visible", async () => {
 
 test("a wipe shows two models in the same light", async () => {
     const page = await shown("proof.html", "mode=normals");
-    const left = await colorAt(page, await pointOf(page, "canvas", [0.55, 0.4]));
     await page.getByLabel("Right of the wipe").selectOption("smooth");
     await still(page);
     await page.getByLabel("Right of the wipe").selectOption("scan");
+    await page.evaluate(() => window.taotie.change({ split: 1 }));
+    await still(page);
+    const left = await colorAt(page, await pointOf(page, "canvas", [0.55, 0.4]));
+    await page.evaluate(() => window.taotie.change({ split: 0.5 }));
     await still(page);
     const handle = page.getByRole("slider", { name: "Wipe" });
     const [x, y] = await pointOf(page, ".wipe", [0.5, 0.5]);
@@ -322,16 +325,204 @@ test("distances and sections are measured on the model", async () => {
     assertQuiet(page);
 });
 
+// Listens to the errors of the element, without their messages in the console.
+const listenToErrors = () => {
+    window.refused = [];
+    const hear = (event) => {
+        if (event.target.localName !== "taotie-viewer") return;
+        event.preventDefault();
+        window.refused.push(event.message);
+    };
+    document.addEventListener("error", hear, true);
+};
+
+test("invalid values are refused with a message that names them and what is accepted", async () => {
+    const page = await shown("view.html");
+    await page.evaluate(listenToErrors);
+    const first = await state(page);
+    const cases = [
+        [{ view: "x" }, /`view` `"x"`: expected 3 numbers: azimuth.*, elevation .* from -90 to 90, distance/],
+        [{ view: [NaN, 0, 1] }, /`view` `\["NaN",0,1\]`/],
+        [{ view: [0, 91, 1] }, /from -90 to 90/],
+        [{ split: 2 }, /`split` `2`: .*from 0 to 1/],
+        [{ wireframe: "yes" }, /`wireframe` `"yes"`: expected true or false/],
+        [{ mode: "error" }, /`mode` `"error"`: expected one of: shaded, clay/],
+        [{ shading: "ggx", shadng: "ggx" }, /`shadng`: expected one of: .*shading/],
+        [null, /`null`: expected an object/],
+    ];
+    const messages = await page.evaluate((parts) => {
+        for (const part of parts) window.taotie.change(part);
+        return window.refused;
+    }, cases.map(([part]) => part));
+    assert.equal(messages.length, cases.length, messages.join("\n"));
+    cases.forEach(([, expected], i) => assert.match(messages[i], expected));
+    assert.deepEqual(await state(page), first);
+    // The mouse reaches the end of a range without an error.
+    for (let turn = 0; turn < 3; turn++) await dragCanvas(page, [0, 100]);
+    assert.equal((await state(page)).view[1], 90);
+    assert.equal(await page.evaluate(() => window.refused.length), cases.length);
+    assertQuiet(page);
+});
+
+test("pictures of impossible sizes are refused", async () => {
+    const page = await shown("view.html");
+    const sizes = [[20000, 20000], [0, 10], [10.5, 10], [10], "x", null];
+    const messages = await page.evaluate((sizes) => {
+        const take = (size) => window.taotie.picture(size).then(({ size }) => `${size} bytes`, ({ message }) => message);
+        return Promise.all(sizes.map(take));
+    }, sizes);
+    sizes.forEach((size, i) => assert(messages[i].includes(`\`${JSON.stringify(size)}\`: expected [width, height]`), messages[i]));
+    await still(page);
+    const png = await picture(page, [30, 20]);
+    assert.deepEqual([png.readUInt32BE(16), png.readUInt32BE(20)], [30, 20]);
+    assertQuiet(page);
+});
+
+test("a picture returns after the graphics driver was reset", async () => {
+    const page = await openViewer(browser, "proof.html", { fragment: "light=raking&shadows=true&beside=scan" });
+    const before = await picture(page, [96, 64]);
+    const lost = await page.evaluate(async () => {
+        window.loss = window.taotie.canvas.getContext("webgl2").getExtension("WEBGL_lose_context");
+        const heard = new Promise((done) => window.taotie.canvas.addEventListener("webglcontextlost", done));
+        window.loss.loseContext();
+        await heard;
+        // The browser restores nothing before all listeners have heard of the loss.
+        await new Promise((later) => setTimeout(later));
+        window.taotie.change({ mode: "clay" });
+        window.taotie.change({ mode: "shaded" });
+        const refused = await window.taotie.picture([96, 64]).catch(({ message }) => message);
+        const viewer = document.querySelector("taotie-viewer");
+        const texts = [refused, viewer.shadowRoot.querySelector(".message").textContent];
+        const state = viewer.dataset.state;
+        window.loss.restoreContext();
+        return [state, ...texts];
+    });
+    assert.equal(lost[0], "loading");
+    for (const text of lost.slice(1)) assert.match(text, /graphics driver was reset/);
+    await still(page);
+    assert.deepEqual(await picture(page, [96, 64]), before);
+    assert.equal(await page.locator(".message").textContent(), "");
+    await page.close();
+});
+
+test("without WebGL or gzip, a still picture and an explanation are shown", async () => {
+    const lacks = [
+        [() => void (HTMLCanvasElement.prototype.getContext = () => null), /WebGL 2/],
+        [() => void delete window.DecompressionStream, /too old to unpack/],
+    ];
+    for (const [prepare, explanation] of lacks) {
+        const page = await newPage(browser, SIZE);
+        await page.addInitScript(prepare);
+        await page.addInitScript(listenToErrors);
+        await page.goto(address("view.html"));
+        const image = page.locator("img.still");
+        await image.waitFor();
+        assert.equal(await image.evaluate(({ naturalWidth, naturalHeight }) => Math.max(naturalWidth, naturalHeight)), 480);
+        const message = await page.getByRole("alert").textContent();
+        assert.match(message, explanation);
+        assert.match(message, /picture shows its initial view/);
+        assert.match((await page.evaluate(() => window.refused)).join(), explanation);
+        assertQuiet(page);
+        await page.close();
+    }
+});
+
+// The boxes of the visible parts of a viewer.
+const parts = () => {
+    const { shadowRoot } = document.querySelector("taotie-viewer");
+    const names = [".title", ".fold", ".sides", "canvas", ".places", ".legend", "#panel"];
+    const found = names.map((name) => [name, shadowRoot.querySelector(name)]).filter(([, part]) => part?.checkVisibility());
+    return found.map(([name, part]) => {
+        const { left, top, right, bottom } = part.getBoundingClientRect();
+        return { name, left, top, right, bottom, isCut: part.scrollWidth > part.clientWidth + 1 && name !== "canvas" };
+    });
+};
+
+test("nothing covers the model, or another part, in windows of any width", async () => {
+    const page = await shown("proof.html", "mode=error&beside=scan&light=raking");
+    const toggle = page.locator(".fold");
+    for (const [width, height] of [[320, 568], [800, 500], [1600, 900]]) {
+        await page.setViewportSize({ width, height });
+        for (let turn = 0; turn < 2; turn++) {
+            await still(page);
+            const all = await page.evaluate(parts);
+            const what = `${width}×${height}, ${all.map(({ name }) => name).join(" ")}`;
+            assert(all.length >= 6, what);
+            for (const a of all) {
+                assert(!a.isCut && a.left >= 0 && a.right <= width, `${a.name} is cut off: ${what}`);
+                const covers = (b) => a !== b && a.left < b.right - 1 && b.left < a.right - 1 && a.top < b.bottom - 1 && b.top < a.bottom - 1;
+                assert.deepEqual(all.filter(covers).map(({ name }) => name), [], `${a.name}: ${what}`);
+            }
+            const canvas = all.find(({ name }) => name === "canvas");
+            assert(canvas.bottom - canvas.top >= 0.24 * height, `${canvas.bottom - canvas.top} rows: ${what}`);
+            await toggle.click();
+        }
+    }
+    assertQuiet(page);
+});
+
+test("the wipe names its sides", async () => {
+    const page = await shown("proof.html");
+    const line = page.locator(".sides");
+    assert(!(await line.isVisible()));
+    await page.evaluate(() => window.taotie.change({ beside: "scan", split: 0.25 }));
+    await still(page);
+    assert.deepEqual(await line.locator("span").allTextContents(), ["asset", "scan"]);
+    const edge = await line.locator("span").first().evaluate((left) => left.getBoundingClientRect().right);
+    const { x, width } = await page.locator(".wipe").boundingBox();
+    near(edge, x + width / 2, 2);
+    assert.match(await page.getByRole("slider", { name: "Wipe" }).getAttribute("aria-valuetext"), /25 % asset, scan/);
+    await page.evaluate(() => window.taotie.change({ beside: "smooth" }));
+    assert.deepEqual(await line.locator("span").allTextContents(), ["with normal map", "without normal map"]);
+});
+
+test("bookmarks can be deleted, and survive a reload", async () => {
+    const page = await openViewer(browser, "view.html", { fragment: "mode=clay" });
+    const titles = () => page.locator(".bookmarks li button:first-child").allTextContents();
+    await page.getByLabel("Title").fill("Clay");
+    await page.getByRole("button", { name: "Add this view" }).click();
+    await page.getByRole("button", { name: "Delete “The rim <i>”" }).click();
+    assert.deepEqual(await titles(), ["Clay"]);
+    await page.reload();
+    await still(page);
+    assert.deepEqual(await titles(), ["Clay"]);
+    await page.evaluate(() => window.taotie.change({ mode: "shaded" }));
+    await page.getByRole("button", { name: "Clay", exact: true }).click();
+    assert.equal((await state(page)).mode, "clay");
+    await page.getByRole("button", { name: "Delete “Clay”" }).click();
+    await page.getByRole("button", { name: "Restore those of the page" }).click();
+    assert.deepEqual(await titles(), ["The rim <i>"]);
+    assertQuiet(page);
+    await page.close();
+});
+
+test("bookmarks last as long as the page if the browser denies storage", async () => {
+    const page = await newPage(browser, SIZE);
+    await page.addInitScript(() => {
+        const get = () => {
+            throw new DOMException("denied", "SecurityError");
+        };
+        Object.defineProperty(window, "localStorage", { get });
+    });
+    await page.goto(address("view.html"));
+    await still(page);
+    await page.getByRole("button", { name: "Delete “The rim <i>”" }).click();
+    await page.getByRole("button", { name: "Add this view" }).click();
+    assert.equal(await page.locator(".bookmarks li").count(), 1);
+    assertQuiet(page);
+    await page.close();
+});
+
 test("bookmarks show their views and are saved", async () => {
     const page = await shown("view.html");
     const first = await state(page);
-    await page.getByRole("button", { name: "The rim <i>" }).click();
+    await page.getByRole("button", { name: "The rim <i>", exact: true }).click();
     await still(page);
     assert.deepEqual((await state(page)).from, [-75, 10]);
     await page.getByLabel("Title").fill("Here");
     await page.getByRole("button", { name: "Add this view" }).click();
     await page.evaluate((first) => window.taotie.show(first), first);
-    await page.getByRole("button", { name: "Here" }).click();
+    await page.getByRole("button", { name: "Here", exact: true }).click();
     await still(page);
     assert.deepEqual((await state(page)).from, [-75, 10]);
     const bookmarks = JSON.parse(await saved(page, () => page.getByRole("button", { name: "Save bookmarks" }).click()));
@@ -351,10 +542,12 @@ test("an unreadable model shows an error message", async () => {
     const text = await readFile(path.join(folder, "view.html"), "utf8");
     const nothing = gzipSync("no model").toString("base64");
     await writeFile(path.join(folder, "broken.html"), text.replace(/(id="taotie-asset">)[^<]*/, `$1${nothing}`));
+    await page.addInitScript(listenToErrors);
     await page.goto(address("broken.html"));
     await page.waitForSelector("taotie-viewer[data-state=failed]");
     const message = await page.getByRole("alert").textContent();
     assert(message.startsWith("The model cannot be shown: "), message);
+    assert.equal(await page.evaluate(() => window.refused[0]), message.replace(/ The picture shows .*/, ""));
     assert.deepEqual(complaints(page), []);
 });
 
@@ -387,8 +580,9 @@ test("a folder shows the same as the page", async () => {
 
 test("an element shows a folder on a page with other content", async (t) => {
     if (!existsSync(path.join(folder, "taotie-viewer.js"))) return t.skip("no packages in viewer/");
-    const attributes = 'src="site" light="-75,10,2" camera="30,20" shading="cook-torrance"';
-    const body = `<h1>Bronzes</h1><taotie-viewer ${attributes}></taotie-viewer><script type="module" src="taotie-viewer.js"></script>`;
+    const attributes = 'src="site" light="-75,10,2" camera="30,20" shading="cook-torrance" auto-rotate title="A jue"';
+    const listening = `<script>(${listenToErrors})()</script>`;
+    const body = `<h1>Bronzes</h1>${listening}<taotie-viewer ${attributes}></taotie-viewer><script type="module" src="taotie-viewer.js"></script>`;
     const style = "<style>taotie-viewer { width: 400px; height: 250px } p { height: 2000px }</style>";
     const html = `<!doctype html><html lang="en"><title>Bronzes</title>${style}${body}<p>More.</p></html>`;
     await writeFile(path.join(folder, "bronzes.html"), html);
@@ -409,6 +603,19 @@ test("an element shows a folder on a page with other content", async (t) => {
         });
     });
     assert.deepEqual(await heard, [60, 30]);
+    const refused = await page.evaluate(async () => {
+        const viewer = document.querySelector("taotie-viewer");
+        viewer.shading = "gxx";
+        viewer.setAttribute("camera", "30,120");
+        viewer.setAttribute("lihgt", "given");
+        viewer.files = 3;
+        await new Promise((later) => setTimeout(later));
+        return window.refused;
+    });
+    const expected = [/`auto-rotate`: .*src/, /`shading` `"gxx"`: .*ggx/, /`camera` `"30,120"`: .*-90 to 90/, /`files` `3`/, /`lihgt`: .*light/];
+    assert.equal(refused.length, expected.length, refused.join("\n"));
+    expected.forEach((each, i) => assert.match(refused[i], each));
+    assert.equal((await current()).shading, "cook-torrance");
     await still(page);
     assert.equal(page.url(), "http://localhost/bronzes.html");
     await page.evaluate(axe.source);

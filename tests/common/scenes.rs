@@ -5,7 +5,7 @@ use taotie_engine::math::{Mat4, Vec2, Vec3, scalar};
 use taotie_engine::mesh::{Mesh, MeshData};
 use taotie_engine::scene::{
     AlphaMode, Camera, Falloff, GreenChannel, HeightMap, Instance, Light, LightKind, Material, NormalMap,
-    NormalSpace, Orbit, Scene, SceneData, TextureRef, UvTransform,
+    NormalSpace, Orbit, Scene, SceneData, TextureRef, Transmission, UvTransform,
 };
 
 /// Returns a rectangle from its corner along two edges, visible from the side of their cross product, UV from 0 to
@@ -164,6 +164,23 @@ pub fn panes() -> Scene {
         instance(2, 2, Mat4::IDENTITY),
         instance(3, 3, Mat4::IDENTITY),
     ]);
+    Scene::new(scene).unwrap()
+}
+
+/// Returns [`panes`] of glass, the lattice with a texture of transmission, without the pane that overlaps it: GPUs draw
+/// blended triangles in the order of their centres.
+pub fn glass() -> Scene {
+    let mut scene = panes().into_data();
+    scene.instances.remove(2);
+    let holes = scene.materials.last().and_then(|lattice| lattice.base_color_texture);
+    for material in scene.materials.iter_mut().filter(|material| material.alpha != AlphaMode::Opaque) {
+        let texture = holes.filter(|_| material.alpha != AlphaMode::Blend);
+        material.transmission = Some(Transmission { factor: 0.7, texture });
+        material.roughness = 0.2;
+        if material.alpha == AlphaMode::Blend {
+            material.alpha = AlphaMode::Opaque;
+        }
+    }
     Scene::new(scene).unwrap()
 }
 

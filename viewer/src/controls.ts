@@ -28,7 +28,7 @@ export function choice(
         return make("option", { value, ...(disabled ? { disabled: "" } : {}) }, name);
     });
     const select = make("select", {}, ...options);
-    select.addEventListener("change", () => viewer.change(of.set(select.value)));
+    select.addEventListener("change", () => viewer.move(of.set(select.value)));
     viewer.listen((state) => void (select.value = of.get(state)));
     return labelled(name, select);
 }
@@ -50,7 +50,7 @@ export function range(
     const numbers = { min: String(low), max: String(high), step: String(step) };
     const input = make("input", { type: "range", ...numbers });
     const output = make("output", {});
-    input.addEventListener("input", () => viewer.change(of.set(Number(input.value), viewer.state)));
+    input.addEventListener("input", () => viewer.move(of.set(Number(input.value), viewer.state)));
     viewer.listen((state) => {
         const value = of.get(state);
         input.value = String(value);
@@ -67,7 +67,7 @@ export function toggle(
     of: { get(state: State): boolean; set(value: boolean): Partial<State> },
 ): HTMLElement {
     const input = make("input", { type: "checkbox" });
-    input.addEventListener("change", () => viewer.change(of.set(input.checked)));
+    input.addEventListener("change", () => viewer.move(of.set(input.checked)));
     viewer.listen((state) => void (input.checked = of.get(state)));
     return make("p", { class: "field" }, make("label", { class: "switch" }, input, name));
 }

@@ -19,7 +19,8 @@ import { type Frame, Materials, PRINTED } from "./materials";
 import { isShaded } from "./modes";
 import { type Model, readModel } from "./model";
 import { ShadowMap } from "./shadows";
-import { BEST, type State } from "./state";
+import { BEST } from "./fields";
+import type { State } from "./state";
 import { type Source, Textures } from "./textures";
 
 const LINES = 0x6aa3ff;
@@ -125,9 +126,18 @@ export class Showing {
         const { scene } = this;
         this.shadow ??= new ShadowMap(this.exhibit.lens);
         scene.overrideMaterial = this.shadow.material;
+        const areShown = this.wires.some(({ visible }) => visible);
+        // Lines cast no shadows.
+        this.showWires(false);
         this.shadow.cast(renderer, to, (camera) => renderer.render(scene, camera));
+        this.showWires(areShown);
         scene.overrideMaterial = null;
         return this.shadow;
+    }
+
+    /** Makes `cast` draw the shadow map again. */
+    forgetShadow(): void {
+        this.shadow = undefined;
     }
 
     private showWires(shown: boolean): void {

@@ -25,16 +25,16 @@ export function listenToGestures(viewer: Viewer, movesLight: () => boolean): voi
         const isLight = movesLight() !== (event.shiftKey || (event.buttons & 2) !== 0);
         const isPan = event.ctrlKey || (event.buttons & 4) !== 0;
         const height = Math.max(canvas.clientHeight, 1);
-        if (isPan) viewer.change(pan(x / height, y / height, lens)(viewer.state));
-        else if (isLight) viewer.change(moveLight(x * LIGHT, -y * LIGHT)(viewer.state));
-        else viewer.change(turn(x * TURN, y * TURN)(viewer.state));
+        if (isPan) viewer.move(pan(x / height, y / height, lens)(viewer.state));
+        else if (isLight) viewer.move(moveLight(x * LIGHT, -y * LIGHT)(viewer.state));
+        else viewer.move(turn(x * TURN, y * TURN)(viewer.state));
     };
 
     const pinch = (before: [Point, Point], after: [Point, Point]): void => {
         const height = Math.max(canvas.clientHeight, 1);
         const [from, to] = [middle(before), middle(after)];
-        viewer.change(zoom(apart(after) / Math.max(apart(before), 1))(viewer.state));
-        viewer.change(pan((to.x - from.x) / height, (to.y - from.y) / height, lens)(viewer.state));
+        viewer.move(zoom(apart(after) / Math.max(apart(before), 1))(viewer.state));
+        viewer.move(pan((to.x - from.x) / height, (to.y - from.y) / height, lens)(viewer.state));
     };
 
     canvas.addEventListener("pointerdown", (event) => {
@@ -58,7 +58,7 @@ export function listenToGestures(viewer: Viewer, movesLight: () => boolean): voi
         const { scrollHeight } = document.documentElement;
         if (scrollHeight > innerHeight && !canvas.matches(":focus")) return;
         event.preventDefault();
-        viewer.change(zoom(WHEEL ** -event.deltaY)(viewer.state));
+        viewer.move(zoom(WHEEL ** -event.deltaY)(viewer.state));
     };
     canvas.addEventListener("wheel", roll, { passive: false });
 }

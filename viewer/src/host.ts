@@ -5,6 +5,15 @@ import { texts } from "./texts";
 /** Returns the bytes with a name. */
 export type Blobs = (name: string) => Promise<ArrayBuffer>;
 
+/** The source of a model. */
+export interface Source {
+    blobs: Blobs;
+    /** The address of a still picture of the model; undefined if there is none. */
+    still(): string | undefined;
+    /** Identifies the model among those that this browser has shown. */
+    key: string;
+}
+
 /** Keeps the link to the current state. */
 export interface Address {
     read(): string;
@@ -14,6 +23,7 @@ export interface Address {
 }
 
 async function unpacked(bytes: BlobPart): Promise<ArrayBuffer> {
+    if (typeof DecompressionStream === "undefined") throw new Error(texts.noDecompression);
     const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
     return new Response(stream).arrayBuffer();
 }
@@ -25,16 +35,28 @@ function decoded(base64: string): Uint8Array<ArrayBuffer> {
     return bytes;
 }
 
-/** Reads bytes from elements of the page; each is read only once. */
-export const ofPage: Blobs = (name) => {
-    const element = document.getElementById(`taotie-${name}`);
-    const bytes = decoded(element?.textContent ?? "");
-    element?.remove();
-    return unpacked(bytes);
-};
+/** Reads from elements of the page; each is read only once. */
+export const ofPage = (): Source => ({
+    blobs: (name) => {
+        const element = document.getElementById(`taotie-${name}`);
+        const bytes = decoded(element?.textContent ?? "");
+        element?.remove();
+        return unpacked(bytes);
+    },
+    still: () => {
+        const text = document.getElementById("taotie-still")?.textContent;
+        return text ? `data:image/jpeg;base64,${text}` : undefined;
+    },
+    key: location.href.split("#")[0]!,
+});
+
+/** The file of the still picture, which is stored unchanged. */
+const STILL = "still.jpg";
 
 async function fetched(address: URL): Promise<ArrayBuffer> {
-    const response = await fetch(address);
+    const response = await fetch(address).catch((error: unknown) => {
+        throw address.protocol === "file:" ? new Error(texts.fromDisk) : error;
+    });
     if (!response.ok) throw new Error(texts.notFetched(address.pathname.split("/").at(-1)!, response.status));
     return response.arrayBuffer();
 }
@@ -48,15 +70,30 @@ const ofNamed =
     };
 
 /** Reads such files from a folder on a server. */
-export const ofFolder = (folder: URL): Blobs => ofNamed((file) => fetched(new URL(file, folder)));
+export function ofFolder(path: string): Source {
+    const folder = new URL(path.endsWith("/") ? path : `${path}/`, document.baseURI);
+    return {
+        blobs: ofNamed((file) => fetched(new URL(file, folder))),
+        still: () => new URL(STILL, folder).href,
+        key: folder.href,
+    };
+}
 
 /** Reads such files from memory. */
-export const ofFiles = (files: Record<string, BlobPart>): Blobs =>
-    ofNamed(async (file) => {
-        const bytes = files[file];
-        if (bytes === undefined) throw new Error(texts.notGiven(file));
-        return new Blob([bytes]).arrayBuffer();
-    });
+export function ofFiles(files: Record<string, BlobPart>): Source {
+    return {
+        blobs: ofNamed(async (file) => {
+            const bytes = files[file];
+            if (bytes === undefined) throw new Error(texts.notGiven(file));
+            return new Blob([bytes]).arrayBuffer();
+        }),
+        still: () => {
+            const bytes = files[STILL];
+            return bytes === undefined ? undefined : URL.createObjectURL(new Blob([bytes], { type: "image/jpeg" }));
+        },
+        key: location.href.split("#")[0]!,
+    };
+}
 
 /** The fragment of the page's address. */
 export const pageAddress: Address = {

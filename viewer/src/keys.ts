@@ -1,7 +1,7 @@
 // Keyboard control while the picture has the focus.
 
 import { moveLight, next, turn, zoom } from "./moves";
-import { modes } from "./state";
+import { modes } from "./fields";
 import type { Viewer } from "./viewer";
 
 /** Degrees per key press, without and with Alt. */
@@ -29,15 +29,15 @@ export function listenToKeys(viewer: Viewer, actions: Actions): void {
         const isLight = actions.movesLight() !== event.shiftKey;
         // The model follows the key: up shows its lower side.
         const move = isLight ? moveLight(right * step, up * step) : turn(right * step, -up * step);
-        viewer.change(move(viewer.state));
+        viewer.move(move(viewer.state));
     };
     const others: Record<string, () => void> = {
-        "+": () => viewer.change(zoom(NEARER)(viewer.state)),
-        "=": () => viewer.change(zoom(NEARER)(viewer.state)),
-        "-": () => viewer.change(zoom(1 / NEARER)(viewer.state)),
+        "+": () => viewer.move(zoom(NEARER)(viewer.state)),
+        "=": () => viewer.move(zoom(NEARER)(viewer.state)),
+        "-": () => viewer.move(zoom(1 / NEARER)(viewer.state)),
         l: actions.toggleLight,
-        m: () => viewer.change({ mode: next(modes(viewer.data), viewer.state.mode) }),
-        w: () => viewer.change({ wireframe: !viewer.state.wireframe }),
+        m: () => viewer.move({ mode: next(modes(viewer.data), viewer.state.mode) }),
+        w: () => viewer.move({ wireframe: !viewer.state.wireframe }),
         s: actions.save,
         0: actions.reset,
     };

@@ -16,9 +16,9 @@ export function legend(viewer: Viewer): HTMLElement | undefined {
         "div",
         { class: "legend" },
         bar,
-        make("p", {}, texts.legend(errors.top, errors.mean)),
-        make("p", {}, texts.shape(lengthText(errors.rms, in_metres), lengthText(errors.hausdorff, in_metres))),
-        here,
+        make("p", { class: "ends" }, make("span", {}, "0°"), here, make("span", {}, `≥ ${errors.top}°`)),
+        make("p", { class: "text" }, texts.legend(errors.top, errors.mean)),
+        make("p", { class: "text" }, texts.shape(lengthText(errors.rms, in_metres), lengthText(errors.hausdorff, in_metres))),
     );
     viewer.listen(({ mode }) => void (all.hidden = mode !== "error"));
     let asked = 0;

@@ -1,11 +1,14 @@
 // The element <taotie-viewer>: shows a folder with `src`, files in memory with `files`, or else data in the page.
 
 import type { TaotieViewer } from "../taotie-viewer";
-import { SHOWN, said } from "./attributes";
+import { SHOWN, type Shown, isShown, said, unknown } from "./attributes";
 import { make } from "./dom";
-import { type Address, type Blobs, ofFiles, ofFolder, ofPage, pageAddress } from "./host";
+import { shownValue } from "./fields";
+import { type Address, type Source, ofFiles, ofFolder, ofPage, pageAddress } from "./host";
 import { type Host, mount } from "./mount";
+import { refuse, report } from "./report";
 import type { State } from "./state";
+import { texts } from "./texts";
 import type { Viewer } from "./viewer";
 import style from "./viewer.css";
 
@@ -17,8 +20,19 @@ declare global {
 }
 
 const NAME = "taotie-viewer";
-const sheet = new CSSStyleSheet();
-sheet.replaceSync(style);
+
+/** The style; undefined in browsers that cannot share it, which show an explanation only. */
+function sheet(): CSSStyleSheet | undefined {
+    try {
+        const made = new CSSStyleSheet();
+        made.replaceSync(style);
+        return made;
+    } catch {
+        return undefined;
+    }
+}
+
+const styles = [sheet()].filter((each) => each !== undefined);
 
 class ViewerElement extends HTMLElement implements TaotieViewer {
     static readonly observedAttributes = ["src", ...SHOWN];
@@ -32,12 +46,14 @@ class ViewerElement extends HTMLElement implements TaotieViewer {
 
     constructor() {
         super();
-        this.shadow.adoptedStyleSheets = [sheet];
+        if (styles.length > 0) this.shadow.adoptedStyleSheets = styles;
+        new MutationObserver((all) => this.refuseUnknown(all.map(({ attributeName }) => attributeName!))).observe(this, { attributes: true });
     }
 
     connectedCallback(): void {
         // Elements already in the page receive their attributes first.
         if (!this.isOpen) void this.load();
+        this.refuseUnknown(this.getAttributeNames());
     }
 
     disconnectedCallback(): void {
@@ -48,7 +64,7 @@ class ViewerElement extends HTMLElement implements TaotieViewer {
     attributeChangedCallback(name: string, before: string | null, value: string | null): void {
         if (before === value || !this.isConnected) return;
         if (name === "src") void this.load();
-        else if (this.viewer && value !== null) this.viewer.change(this.given(this.viewer));
+        else if (this.viewer && value !== null && isShown(name)) this.apply(this.viewer, [name]);
     }
 
     private close(): void {
@@ -62,30 +78,39 @@ class ViewerElement extends HTMLElement implements TaotieViewer {
         this.close();
         this.isOpen = true;
         const load = this.loads;
-        const viewer = await mount(this.host());
+        const host = this.host(() => load === this.loads);
+        const viewer = host && (await mount(host));
         if (load !== this.loads) return viewer?.close();
-        if (!viewer) return void this.dispatchEvent(new Event("error"));
+        if (!viewer) return;
         this.viewer = viewer;
-        const given = this.given(viewer);
-        if (Object.keys(given).length > 0) viewer.change(given);
+        this.apply(viewer, SHOWN);
         viewer.listen(() => this.dispatchEvent(new Event("change")));
         if (this.isMain) window.taotie = viewer;
         this.dispatchEvent(new Event("load"));
     }
 
-    private host(): Host {
+    /** The host of a viewer; undefined, with an error, if the source is not an address. */
+    private host(isCurrent: () => boolean): Host | undefined {
         const { isMain } = this;
         // A new root, so that a superseded load cannot add to it.
         const root = make("div", { id: "viewer" });
         this.shadow.replaceChildren(root);
         const address = isMain ? this.address : undefined;
-        return { element: this, root, blobs: this.blobs(), address, isFolded: !isMain };
+        const source = this.source();
+        return source && { element: this, root, source, address, isFolded: !isMain, isCurrent };
     }
 
-    private blobs(): Blobs {
+    private source(): Source | undefined {
         const { src, held } = this;
         if (held) return ofFiles(held);
-        return src ? ofFolder(new URL(src.endsWith("/") ? src : `${src}/`, document.baseURI)) : ofPage;
+        if (!src) return ofPage();
+        try {
+            return ofFolder(src);
+        } catch (error) {
+            this.dataset["state"] = "failed";
+            report(this, texts.invalidSource(shownValue(src)), error);
+            return undefined;
+        }
     }
 
     /** True if the page itself contains the data. */
@@ -98,13 +123,21 @@ class ViewerElement extends HTMLElement implements TaotieViewer {
         return this.isOfPage || this.hasAttribute("linked");
     }
 
-    /** The part of the state that the attributes set. */
-    private given(viewer: Viewer): Partial<State> {
-        const all = SHOWN.map((name) => {
+    /** Applies the attributes with these names; invalid ones are reported and have no effect. */
+    private apply(viewer: Viewer, names: readonly Shown[]): void {
+        const parts = names.map((name) => {
             const value = this.getAttribute(name);
-            return value === null ? {} : said(name, value, viewer);
+            const part = value === null ? {} : said(name, value, viewer);
+            if (typeof part !== "string") return part;
+            refuse(this, part);
+            return {};
         });
-        return Object.assign({}, ...all) as Partial<State>;
+        const all = Object.assign({}, ...parts) as Partial<State>;
+        if (Object.keys(all).length > 0) viewer.move(all);
+    }
+
+    private refuseUnknown(names: string[]): void {
+        for (const wrong of names.map(unknown)) if (wrong !== undefined) refuse(this, wrong);
     }
 
     get src(): string {
@@ -120,8 +153,10 @@ class ViewerElement extends HTMLElement implements TaotieViewer {
     }
 
     set files(value: Record<string, BlobPart> | undefined) {
-        this.held = value;
-        if (this.isConnected) void this.load();
+        const isSound = value === undefined || (typeof value === "object" && value !== null && !Array.isArray(value));
+        if (!isSound) refuse(this, texts.invalidFiles(shownValue(value)));
+        else this.held = value;
+        if (isSound && this.isConnected) void this.load();
     }
 
     get light(): string {
@@ -153,11 +188,12 @@ class ViewerElement extends HTMLElement implements TaotieViewer {
     }
 
     change(part: Partial<State>): void {
-        this.viewer?.change(part);
+        if (this.viewer) this.viewer.change(part);
+        else refuse(this, texts.notLoaded);
     }
 
     async picture(size?: [number, number]): Promise<Blob> {
-        if (!this.viewer) throw new Error(`<${NAME}> is not loaded yet: wait for its "load" event`);
+        if (!this.viewer) throw new Error(texts.notLoaded);
         return this.viewer.picture(size);
     }
 }

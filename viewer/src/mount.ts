@@ -1,19 +1,24 @@
 // Adds a viewer and its controls to an element.
 
+import { bookmarks } from "./bookmarks";
 import { button } from "./controls";
 import type { Data } from "./data";
 import { make, save } from "./dom";
 import { listenToGestures } from "./gestures";
-import type { Address, Blobs } from "./host";
+import type { Address, Source } from "./host";
 import { listenToKeys } from "./keys";
+import { Layout } from "./layout";
 import { legend } from "./legend";
 import { Measure } from "./measure";
 import { panel } from "./panel";
+import { report } from "./report";
 import { Stage } from "./stage";
 import { texts } from "./texts";
 import { Viewer } from "./viewer";
-import { wipe } from "./wipe";
+import { sides, wipe } from "./wipe";
 
+/** Milliseconds that a browser has to restore lost graphics resources before the viewer reports that it cannot draw. */
+const PATIENCE = 10_000;
 /** The width below which controls are initially hidden, pixels. */
 const NARROW = 704;
 
@@ -23,16 +28,12 @@ export interface Host {
     element: HTMLElement;
     /** The root of its content. */
     root: HTMLElement;
-    blobs: Blobs;
+    source: Source;
     address: Address | undefined;
     /** True if controls are initially hidden. */
     isFolded: boolean;
-}
-
-function say(root: HTMLElement, text: string): HTMLElement {
-    const line = make("p", { class: "message", role: "status" }, text);
-    root.append(line);
-    return line;
+    /** False once another model has replaced this one. */
+    isCurrent(): boolean;
 }
 
 /** A switch for what a plain drag moves. */
@@ -80,62 +81,88 @@ function folder({ element, root, isFolded }: Host): HTMLButtonElement {
     return made;
 }
 
-function build(host: Host, viewer: Viewer): void {
-    const { root } = host;
+function build(host: Host, viewer: Viewer, layout: Layout): void {
     const drags = new DragsLight();
     const measure = new Measure(viewer);
-    const message = say(root, "");
-    const announce = (text: string): void => void (message.textContent = text);
     const copyLink = (): void => {
         const copied = navigator.clipboard?.writeText(location.href) ?? Promise.reject();
-        copied.then(() => announce(texts.linked)).catch(() => announce(texts.notLinked));
+        copied.then(() => layout.say(texts.linked)).catch(() => layout.say(texts.notLinked));
+    };
+    const savePicture = async (): Promise<void> => {
+        await viewer.picture().then(
+            (png) => save(`${viewer.data.title}.png`, png),
+            (error: unknown) => layout.say(said(error)),
+        );
     };
     const actions = {
         movesLight: drags.get,
         toggleLight: drags.toggle,
-        reset: () => viewer.show(viewer.first),
-        save: () => void viewer.picture().then((png) => save(`${viewer.data.title}.png`, png)),
+        reset: () => viewer.move(viewer.first),
+        save: () => void savePicture(),
         copyLink: host.address && copyLink,
         light: drags.element,
         measure: measure.panel,
+        bookmarks: bookmarks(viewer, `${host.source.key}|${viewer.data.title}`),
     };
     listenToGestures(viewer, drags.get);
     listenToKeys(viewer, actions);
-    root.append(measure.element, wipe(viewer), folder(host), panel(viewer, actions), places(viewer));
+    layout.head.append(folder(host));
+    layout.picture.before(sides(viewer));
+    layout.picture.append(measure.element, wipe(viewer));
     const errors = legend(viewer);
-    if (errors) root.append(errors);
+    if (errors) layout.foot.append(errors);
+    layout.foot.append(places(viewer));
+    layout.root.append(panel(viewer, actions));
 }
 
-/** The title, as the page's heading if the page has none. */
-function heading(title: string): HTMLElement {
-    return make(document.querySelector("h1") ? "p" : "h1", { class: "title" }, title);
+const said = (error: unknown): string => (error instanceof Error ? error.message : String(error));
+
+/** Shows why the model cannot be drawn, and reports it to the page. */
+function fail(host: Host, layout: Layout, error: unknown): void {
+    if (!host.isCurrent()) return;
+    host.element.dataset["state"] = "failed";
+    const why = texts.failed(said(error));
+    layout.explain(why, host.source.still());
+    report(host.element, why, error);
+}
+
+/** Keeps the state while the browser has taken the graphics resources away, and draws it when they are back. */
+function watchContext(host: Host, viewer: Viewer, layout: Layout): void {
+    let timer = 0;
+    layout.canvas.addEventListener("webglcontextlost", (event) => {
+        // Otherwise the browser does not restore it.
+        event.preventDefault();
+        if (!host.isCurrent()) return;
+        viewer.lose();
+        host.element.dataset["state"] = "loading";
+        layout.say(texts.lost);
+        timer = window.setTimeout(() => fail(host, layout, new Error(texts.notRestored)), PATIENCE);
+    });
+    layout.canvas.addEventListener("webglcontextrestored", () => {
+        clearTimeout(timer);
+        layout.resume();
+        viewer.restore();
+    });
 }
 
 /** Loads the data and shows it; undefined on failure, which the element reports. */
 export async function mount(host: Host): Promise<Viewer | undefined> {
-    const { element, root, blobs } = host;
+    const { element, root, source } = host;
     element.dataset["state"] = "loading";
-    const canvas = make("canvas", { tabindex: "0", role: "application" });
-    root.replaceChildren(canvas);
-    const message = say(root, texts.loading);
-    const fail = (error: unknown): void => {
-        element.dataset["state"] = "failed";
-        message.setAttribute("role", "alert");
-        message.textContent = texts.failed(error instanceof Error ? error.message : String(error));
-        if (!message.isConnected) root.append(message);
-    };
-    canvas.addEventListener("webglcontextlost", () => fail(new Error(texts.lost)));
+    const layout = new Layout(root);
+    layout.say(texts.loading);
     try {
-        const data = JSON.parse(new TextDecoder().decode(await blobs("data"))) as Data;
-        canvas.setAttribute("aria-label", texts.canvas(data.title));
-        canvas.before(heading(data.title));
-        const viewer = new Viewer(await Stage.load(canvas, data, blobs), host, canvas);
-        message.remove();
-        build(host, viewer);
+        const data = JSON.parse(new TextDecoder().decode(await source.blobs("data"))) as Data;
+        layout.name(data.title);
+        const viewer = new Viewer(await Stage.load(layout.canvas, data, source.blobs), host, layout.canvas);
+        // After the listeners of three.js, which create what a new context lacks.
+        watchContext(host, viewer, layout);
+        layout.say("");
+        build(host, viewer, layout);
         viewer.request();
         return viewer;
     } catch (error) {
-        fail(error);
+        fail(host, layout, error);
         return undefined;
     }
 }

@@ -1,10 +1,9 @@
 // The panel next to the picture.
 
-import { bookmarks } from "./bookmarks";
 import { button, choice, group, range, toggle } from "./controls";
 import { make } from "./dom";
+import { BEST, FIXED, LIGHTS, TONES, besides, modes } from "./fields";
 import { refixed } from "./light";
-import { BEST, FIXED, LIGHTS, TONES, besides, modes } from "./state";
 import { texts } from "./texts";
 import type { Viewer } from "./viewer";
 
@@ -18,6 +17,7 @@ export interface Buttons {
     light: HTMLElement;
     /** The part of the panel for measuring. */
     measure: HTMLElement;
+    bookmarks: HTMLElement;
 }
 
 const TURN = { low: -180, high: 180, step: 0.5, text: texts.degrees };
@@ -33,7 +33,7 @@ function surface(viewer: Viewer): HTMLElement {
     });
     const best = { value: BEST, name: texts.best };
     const shown = modes(data).map((value) => ({ value, name: texts.modes[value] ?? value }));
-    const beside = besides(data).map((value) => ({ value, name: texts.besides[value] ?? value }));
+    const contents = besides(data).map((value) => ({ value, name: texts.besides[value] ?? value }));
     return group(
         texts.surface,
         true,
@@ -43,7 +43,7 @@ function surface(viewer: Viewer): HTMLElement {
             get: ({ surface }) => surface,
             set: (surface) => ({ surface }),
         }),
-        choice(viewer, texts.beside, beside, { get: ({ beside }) => beside, set: (beside) => ({ beside }) }),
+        choice(viewer, texts.beside, contents, { get: (state) => state.beside, set: (beside) => ({ beside }) }),
         toggle(viewer, texts.wireframe, { get: ({ wireframe }) => wireframe, set: (wireframe) => ({ wireframe }) }),
     );
 }
@@ -132,7 +132,7 @@ export function panel(viewer: Viewer, buttons: Buttons): HTMLElement {
         light(viewer, buttons.light),
         picture(viewer),
         buttons.measure,
-        bookmarks(viewer),
+        buttons.bookmarks,
         actions,
         group(texts.about, true, about),
         group(texts.keys, false, list(texts.keyList)),

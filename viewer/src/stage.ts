@@ -12,6 +12,7 @@ import {
 } from "three";
 import type { Data } from "./data";
 import { Exhibit, type Shared, Showing } from "./exhibit";
+import { TONES } from "./fields";
 import { type Development, Film } from "./film";
 import type { Blobs } from "./host";
 import { ambient, environment, lights, toLight } from "./light";
@@ -19,7 +20,7 @@ import { Frame } from "./materials";
 import { isNumbers, isShaded } from "./modes";
 import { place } from "./orbit";
 import type { ShadowMap } from "./shadows";
-import { type State, TONES } from "./state";
+import type { State } from "./state";
 import { texts } from "./texts";
 import { frameTextures } from "./textures";
 
@@ -28,9 +29,12 @@ const STEPS = 256;
 /** The smallest cosine between view direction and normal used for the length that a pixel covers. */
 const STEEPEST = 0.1;
 
+/** The extensions for filtering 32-bit floats and 16-bit codes. */
+const [FINE, WIDE] = ["OES_texture_float_linear", "EXT_texture_norm16"];
+
 export class Stage {
     private readonly camera = new PerspectiveCamera();
-    private readonly film: Film;
+    private film: Film;
     private readonly main: Showing;
     /** The models shown right of the wipe handle, by name. */
     private readonly companions = new Map<string, Promise<Showing>>();
@@ -49,8 +53,7 @@ export class Stage {
     /** Loads the model and creates the stage that draws it. */
     static async load(canvas: HTMLCanvasElement, data: Data, blobs: Blobs): Promise<Stage> {
         const renderer = opened(canvas);
-        const isFine = renderer.extensions.has("OES_texture_float_linear");
-        const isWide = renderer.extensions.has("EXT_texture_norm16");
+        const [isFine, isWide] = [FINE, WIDE].map((name) => renderer.extensions.has(name)) as [boolean, boolean];
         const shared = { data, blobs, frame: new Frame(data), textures: await frameTextures(data, blobs), isFine, isWide };
         return new Stage(renderer, shared, await Exhibit.load(0, shared));
     }
@@ -70,6 +73,35 @@ export class Stage {
         const companion = await this.companionOf(state);
         await companion?.prepare(companionState(state));
         this.companion = companion;
+    }
+
+    /** The longest side of a picture that the graphics driver can draw, pixels. */
+    get longestSide(): number {
+        const gl = this.renderer.getContext();
+        const sides = gl.getParameter(gl.MAX_VIEWPORT_DIMS) as Int32Array;
+        const number = (name: GLenum) => gl.getParameter(name) as number;
+        return Math.min(...sides, number(gl.MAX_TEXTURE_SIZE), number(gl.MAX_RENDERBUFFER_SIZE));
+    }
+
+    /** True if the picture has this size; browsers reduce those that are too large. */
+    isSized([width, height]: [number, number]): boolean {
+        const gl = this.renderer.getContext();
+        return gl.drawingBufferWidth === width && gl.drawingBufferHeight === height;
+    }
+
+    /** Forgets what the graphics driver has drawn for later pictures. */
+    restore(): void {
+        prepareRenderer(this.renderer);
+        this.film = new Film(this.renderer);
+        this.shadows.clear();
+        this.main.forgetShadow();
+        for (const each of this.companions.values()) void each.then((showing) => showing.forgetShadow());
+    }
+
+    /** False if the graphics driver has run out of memory, or has been reset. */
+    hasDrawn(): boolean {
+        const gl = this.renderer.getContext();
+        return gl.getError() !== gl.OUT_OF_MEMORY && !gl.isContextLost();
     }
 
     /** Draws a prepared state with `samples` samples. */
@@ -201,7 +233,13 @@ function opened(canvas: HTMLCanvasElement): WebGLRenderer {
     if (!context) throw new Error(texts.noWebGl);
     if (!context.getExtension("EXT_color_buffer_float")) throw new Error(texts.noFloats);
     const renderer = new WebGLRenderer({ canvas, context, ...attributes });
-    renderer.setClearColor(0, 0);
     renderer.autoClear = false;
+    prepareRenderer(renderer);
     return renderer;
+}
+
+/** Sets what a new context lacks. The extensions are used by our textures only. */
+function prepareRenderer(renderer: WebGLRenderer): void {
+    renderer.setClearColor(0, 0);
+    for (const name of [FINE, WIDE]) renderer.extensions.has(name);
 }

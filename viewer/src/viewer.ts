@@ -2,10 +2,13 @@
 
 import { type BufferGeometry, Vector2, type Vector3 } from "three";
 import type { Data } from "./data";
+import { fault, shownValue } from "./fields";
 import type { Address } from "./host";
 import { withText } from "./png";
+import { refuse } from "./report";
 import { Stage } from "./stage";
-import { type State, bounded, firstState, fragment, ofFragment } from "./state";
+import { type State, clamped, firstState, fragment, ofFragment } from "./state";
+import { texts } from "./texts";
 
 /** Milliseconds without a change after which the picture is drawn with all samples. */
 const STILL = 150;
@@ -15,6 +18,8 @@ const [SLOW, QUICK] = [80, 25];
 const COARSEST = 4;
 /** The maximum side of the picture on the screen, pixels. */
 const LONGEST = 4096;
+/** The maximum number of pixels of a saved picture: a sample and the sum take 16 bytes per pixel. */
+const MOST_PIXELS = 2 ** 26;
 /** The keyword of the text chunk in a saved picture that contains its link. */
 const LINK = "taotie:view";
 
@@ -28,6 +33,8 @@ export class Viewer {
     readonly first: State;
     private current: State;
     private isClosed = false;
+    /** True while the browser has taken the graphics resources away. */
+    private isLost = false;
     /** True if something has changed since the last frame began, and if a frame is being drawn. */
     private isAsked = false;
     private isDrawing = false;
@@ -45,7 +52,7 @@ export class Viewer {
         const { address } = host;
         this.current = this.linked(address?.read() ?? "");
         new ResizeObserver(() => this.request()).observe(canvas);
-        address?.listen(() => this.show(this.linked(address.read())));
+        address?.listen(() => this.move(this.linked(address.read())));
     }
 
     get data(): Data {
@@ -62,14 +69,23 @@ export class Viewer {
         listener(this.current);
     }
 
+    /** Changes parts of the state. Unless all values are valid, it changes nothing and the element reports an error. */
     change(part: Partial<State>): void {
-        this.show({ ...this.current, ...part });
+        const wrong = fault(part, this.data);
+        if (wrong === undefined) this.move(part);
+        else refuse(this.host.element, wrong);
     }
 
-    show(state: State): void {
-        this.current = bounded(state);
+    /** Changes parts of the state by values of the right form; numbers are clamped to their ranges. */
+    move(part: Partial<State>): void {
+        this.current = clamped({ ...this.current, ...part });
         for (const listener of this.listeners) listener(this.current);
         this.request();
+    }
+
+    /** Changes the whole state, under the conditions of `change`. */
+    show(state: State): void {
+        this.change(state);
     }
 
     /** The state described by the fragment of a link. */
@@ -85,13 +101,33 @@ export class Viewer {
     /** Returns the picture in this size and with all samples, as a PNG that contains its link. */
     async picture(size: [number, number] = this.size()): Promise<Blob> {
         const { canvas, stage, current } = this;
+        this.assertDrawable();
+        const wrong = this.pictureFault(size);
+        if (wrong !== undefined) throw new RangeError(wrong);
         await stage.prepare(current);
-        stage.renderer.setSize(...size, false);
-        stage.draw(current, size, stage.samples);
-        const png = new Promise<Blob | null>((resolve) => canvas.toBlob(resolve));
+        this.assertDrawable();
+        const [width, height] = size;
+        stage.renderer.setSize(width, height, false);
+        if (stage.isSized(size)) stage.draw(current, size, stage.samples);
+        const isWhole = stage.isSized(size) && stage.hasDrawn();
+        const png = isWhole && new Promise<Blob | null>((resolve) => canvas.toBlob(resolve));
         this.request();
         const blob = await png;
-        return withText(blob ?? new Blob(), LINK, this.link());
+        if (!blob) throw new RangeError(texts.tooLarge(width, height));
+        return withText(blob, LINK, fragment(current, this.first));
+    }
+
+    private assertDrawable(): void {
+        if (this.isLost || this.isClosed) throw new Error(texts.noPicture);
+    }
+
+    /** What is wrong with the size of a picture. */
+    private pictureFault(size: unknown): string | undefined {
+        const most = this.stage.longestSide;
+        const isSide = (side: unknown): boolean => Number.isInteger(side) && (side as number) > 0 && (side as number) <= most;
+        if (!Array.isArray(size) || size.length !== 2 || !size.every(isSide)) return texts.pictureSize(shownValue(size), most);
+        const [width, height] = size as [number, number];
+        return width * height > MOST_PIXELS ? texts.tooLarge(width, height) : undefined;
     }
 
     /** The normal error under a point of the window, degrees. */
@@ -125,13 +161,26 @@ export class Viewer {
 
     /** Draws in the next frame. */
     request(): void {
-        if (this.isClosed) return;
+        if (this.isClosed || this.isLost) return;
         this.host.element.dataset["state"] = "moving";
         clearTimeout(this.timer);
         this.isAsked = true;
         if (this.isDrawing) return;
         this.isDrawing = true;
-        requestAnimationFrame(() => void this.move());
+        requestAnimationFrame(() => void this.step());
+    }
+
+    /** Draws nothing until `restore`. */
+    lose(): void {
+        this.isLost = true;
+        clearTimeout(this.timer);
+    }
+
+    /** Draws the current state again after the browser has given new graphics resources. */
+    restore(): void {
+        this.isLost = false;
+        this.stage.restore();
+        this.request();
     }
 
     /** Releases the graphics resources; nothing is drawn afterwards. */
@@ -148,7 +197,7 @@ export class Viewer {
     }
 
     /** Draws one sample and waits for it, so that frames do not pile up; a still picture then gets all samples. */
-    private async move(): Promise<void> {
+    private async step(): Promise<void> {
         this.isAsked = false;
         const isWhole = await this.draw(1, this.halvings);
         // Skipped frames say nothing about frame times.
@@ -162,7 +211,7 @@ export class Viewer {
     private async draw(samples: number, halvings: number): Promise<boolean> {
         const state = this.current;
         await this.stage.prepare(state);
-        if (this.isAsked || this.isClosed) return false;
+        if (this.isAsked || this.isClosed || this.isLost) return false;
         const size = this.size(halvings);
         const { width, height } = this.canvas;
         if (width !== size[0] || height !== size[1]) this.stage.renderer.setSize(...size, false);

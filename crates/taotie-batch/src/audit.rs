@@ -3,8 +3,12 @@
 use crate::collection::Collection;
 use crate::driver::{Worker, nonempty, remake};
 use crate::manifest::History;
-use crate::record::{OUTDATED, Part, Record};
-use crate::store::Store;
+use crate::record::{FileEntry, OUTDATED, Part, Record, ShortFigures, State};
+use crate::store::{AssetObject, Store};
+use serde::Serialize;
+use serde_json::Value;
+use taotie::Warning;
+use taotie::asset::RequirementOutcome;
 use taotie_engine::Result;
 use taotie_io::sha256;
 
@@ -60,6 +64,7 @@ pub fn audit(
             audit.note(record, OUTDATED.into());
         }
         record.parts.iter().for_each(|part| audit.read(record, part, &store));
+        audit.compare(record, &store);
     }
     for record in samples(&made, options.proofs) {
         audit.proofs += 1;
@@ -75,6 +80,44 @@ fn samples<'a>(made: &[&'a Record], count: usize) -> impl Iterator<Item = &'a Re
     picked.into_iter()
 }
 
+/// The findings about an asset, as recorded or as stored with it.
+#[derive(Serialize)]
+struct Findings<'a> {
+    files: &'a [FileEntry],
+    figures: Option<&'a ShortFigures>,
+    warnings: &'a [Warning],
+    state: State,
+    required: &'a [RequirementOutcome],
+}
+
+fn json(value: &impl Serialize) -> Value {
+    serde_json::to_value(value).unwrap_or_default()
+}
+
+/// Returns the first difference between two values below `place`; numbers may differ by the rounding of a parser.
+fn difference(place: &str, recorded: &Value, other: &Value) -> Option<String> {
+    const ROUNDING: f64 = 1e-12;
+    match (recorded, other) {
+        (Value::Object(a), Value::Object(b)) if a.len() == b.len() => a.iter().find_map(|(key, value)| {
+            let place = if place.is_empty() { key.clone() } else { format!("{place}.{key}") };
+            difference(&place, value, b.get(key).unwrap_or(&Value::Null))
+        }),
+        (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
+            let mut pairs = a.iter().zip(b).enumerate();
+            pairs.find_map(|(i, (a, b))| difference(&format!("{place}[{i}]"), a, b))
+        }
+        (Value::Number(a), Value::Number(b)) => {
+            let [x, y] = [a, b].map(|number| number.as_f64().unwrap_or(f64::NAN));
+            let is_close = (x - y).abs() <= ROUNDING * x.abs().max(y.abs());
+            (!is_close).then(|| format!("{place} is {a} in the manifest instead of {b}"))
+        }
+        (Value::String(a), Value::String(b)) if a != b => {
+            Some(format!("{place} is `{a}` in the manifest instead of `{b}`"))
+        }
+        (a, b) => (a != b).then(|| format!("other {place} in the manifest")),
+    }
+}
+
 impl Audit {
     /// Checks the bytes of a part against its hashes.
     fn read(&mut self, record: &Record, part: &Part, store: &Store) {
@@ -88,6 +131,38 @@ impl Audit {
                 }
                 Err(error) => self.note(record, error.to_string()),
             }
+        }
+    }
+
+    /// Compares the figures, warnings and verdict of a record with what is stored with its asset.
+    fn compare(&mut self, record: &Record, store: &Store) {
+        if !record.is_current() {
+            return;
+        }
+        let Some(part) = record.part("asset") else {
+            return self.note(record, "its record lists no asset".into());
+        };
+        let Some(object) = store.description::<AssetObject>(&part.address) else {
+            let why = "the description of its asset is missing, or not valid JSON; run `taotie batch`";
+            return self.note(record, why.into());
+        };
+        let required = object.figures.evaluate(&record.require);
+        let recorded = Findings {
+            files: &part.files,
+            figures: record.figures.as_ref(),
+            warnings: &record.warnings,
+            state: record.state,
+            required: &record.required,
+        };
+        let stored = Findings {
+            files: &object.files,
+            figures: Some(&object.short()),
+            warnings: &object.warnings,
+            state: State::of(&required),
+            required: &required,
+        };
+        if let Some(what) = difference("", &json(&recorded), &json(&stored)) {
+            self.note(record, format!("its record and the description of its asset differ: {what}"));
         }
     }
 
@@ -123,10 +198,38 @@ impl Audit {
                 _ => {}
             }
         }
+        let [recorded, figures] = [&record.figures, &remade.figures].map(json);
+        if let Some(what) = difference("figures", &recorded, &figures) {
+            self.note(record, format!("re-baking it gives other figures: {what}"));
+        }
         Ok(())
     }
 
     fn note(&mut self, record: &Record, what: String) {
         self.faults.push(Fault { id: record.id.clone(), what });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn a_difference_has_its_place_and_rounding_is_none() {
+        let stored = json!({ "figures": { "mean": 1.25, "triangles": [100, 20] }, "state": "done" });
+        let differs = |pointer: &str, value: Value| {
+            let mut forged = stored.clone();
+            *forged.pointer_mut(pointer).unwrap() = value;
+            difference("", &forged, &stored)
+        };
+        assert_eq!(differs("/figures/mean", json!(1.250_000_000_000_000_2)), None);
+        let is = |found: Option<String>, text: &str| assert_eq!(found.as_deref(), Some(text));
+        is(
+            differs("/figures/triangles/1", json!(10)),
+            "figures.triangles[1] is 10 in the manifest instead of 20",
+        );
+        is(differs("/state", json!("failed")), "state is `failed` in the manifest instead of `done`");
+        is(differs("/figures", Value::Null), "other figures in the manifest");
     }
 }

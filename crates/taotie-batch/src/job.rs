@@ -82,6 +82,23 @@ pub struct Outcome {
     pub peak_bytes: Option<u64>,
 }
 
+impl Outcome {
+    /// Returns the outcome of a job that did not finish.
+    pub fn failed(error: impl Into<String>) -> Self {
+        Self {
+            state: State::Failed,
+            error: Some(error.into()),
+            input: Vec::new(),
+            stages: Vec::new(),
+            figures: None,
+            required: Vec::new(),
+            warnings: Vec::new(),
+            parts: Vec::new(),
+            peak_bytes: None,
+        }
+    }
+}
+
 /// Bytes that a process may use beyond twice its estimate: its program, the stacks of its threads, and the reserves
 /// that the system's allocator keeps for each.
 const RESERVE: u64 = 512 << 20;

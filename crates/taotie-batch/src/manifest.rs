@@ -93,9 +93,10 @@ impl Manifest {
     /// Appends a record; it is on disk when this returns.
     ///
     /// # Errors
-    /// [`Error::Io`] if the system refuses.
+    /// [`Error::Io`] if the system refuses; [`Error::Invalid`] for a path that is not UTF-8.
     pub fn add(&mut self, record: &Record) -> Result<()> {
-        let mut line = serde_json::to_string(record).expect("all keys are text");
+        let line = serde_json::to_string(record);
+        let mut line = line.map_err(|error| Error::invalid(&record.id, error.to_string()))?;
         line.push('\n');
         let written = self.file.write_all(line.as_bytes()).and_then(|()| self.file.sync_data());
         written.map_err(|e| Error::io(&self.path, e))

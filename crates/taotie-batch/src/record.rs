@@ -2,6 +2,7 @@
 
 use crate::settings::AssetSettings;
 use serde::{Deserialize, Serialize};
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 use taotie::asset::{Figures, Requirement, RequirementOutcome};
@@ -278,15 +279,29 @@ fn of_model(files: &[PathBuf]) -> Result<Vec<InputFile>> {
     files.iter().map(|file| InputFile::read(file, folder)).collect()
 }
 
-/// Returns a relative path with `/` as the separator, on every system.
+/// Returns a relative path with `/` as the separator, on every system; bytes that are not UTF-8 are percent-encoded.
 pub fn slashed(path: &Path) -> String {
-    let parts = path.components().map(|part| part.as_os_str().to_string_lossy().into_owned());
-    parts.collect::<Vec<_>>().join("/")
+    path.components().map(|part| readable(part.as_os_str())).collect::<Vec<_>>().join("/")
+}
+
+fn readable(name: &OsStr) -> String {
+    let chunks = name.as_encoded_bytes().utf8_chunks();
+    let encoded = |bytes: &[u8]| bytes.iter().map(|byte| format!("%{byte:02X}")).collect::<String>();
+    chunks.map(|chunk| format!("{}{}", chunk.valid(), encoded(chunk.invalid()))).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[cfg(unix)]
+    #[test]
+    fn names_that_are_not_utf_8_stay_distinct() {
+        use std::os::unix::ffi::OsStrExt;
+        let slashed = |bytes: &[u8]| slashed(Path::new(OsStr::from_bytes(bytes)));
+        assert_eq!(slashed(b"r/\xe9\xc3.obj"), "r/%E9%C3.obj");
+        assert_eq!(slashed("r/é.obj".as_bytes()), "r/é.obj");
+    }
 
     #[test]
     fn all_files_of_a_model_are_read_and_a_change_is_seen() {

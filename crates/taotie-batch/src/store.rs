@@ -61,18 +61,20 @@ impl Store {
 
     /// Returns an object's description; `None` if it is missing, incomplete, or has another version's figures.
     pub fn object<T: Object>(&self, address: &str) -> Option<T> {
-        let found: T = self.described(address)?;
+        let found: T = self.description(address)?;
         (found.is_current() && are_there(&self.path(address), found.files())).then_some(found)
     }
 
-    fn described<T: DeserializeOwned>(&self, address: &str) -> Option<T> {
+    /// Returns an object's description, whether or not its files exist.
+    pub fn description<T: DeserializeOwned>(&self, address: &str) -> Option<T> {
         serde_json::from_slice(&read_bytes(&self.path(address).join(RESULT)).ok()?).ok()
     }
 
     /// Returns true if all files of a part exist with the right lengths, and the object lists them too.
     pub fn holds(&self, part: &Part) -> bool {
         let listed = |found: Listed| found.files == part.files;
-        self.described(&part.address).is_some_and(listed) && are_there(&self.path(&part.address), &part.files)
+        self.description(&part.address).is_some_and(listed)
+            && are_there(&self.path(&part.address), &part.files)
     }
 
     /// Claims the folder of an object in a set of files; returns the folder.

@@ -2,6 +2,7 @@
 
 use anyhow::Result;
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::borrow::Cow;
 use std::io::{self, Write};
 use std::path::Path;
 use std::sync::OnceLock;
@@ -31,7 +32,11 @@ pub fn plain(text: &str) -> String {
 }
 
 /// Like [`plain`], but keeps line ends, which the caller added.
-fn plain_lines(text: &str) -> String {
+fn plain_lines(text: &str) -> Cow<'_, str> {
+    // Reports may have hundreds of megabytes, most of them ASCII.
+    if text.bytes().all(|byte| byte == b'\n' || (b' '..=b'~').contains(&byte)) {
+        return text.into();
+    }
     let kept = |c: char| c == '\n' || !rules_terminal(c);
     text.chars().map(|c| if kept(c) { c } else { char::REPLACEMENT_CHARACTER }).collect()
 }
@@ -62,6 +67,44 @@ pub fn say(line: &str) {
 /// Writes an error to stderr, replacing control characters except line ends. A closed stderr is not an error.
 pub fn complain(line: &str) {
     let _ = writeln!(io::stderr().lock(), "{}", plain_lines(line));
+}
+
+/// Runs `work`, which graphics drivers take part in. If the user wants no messages, stderr is closed meanwhile: drivers
+/// and the layers loaded with them write there themselves, and no option of their interfaces prevents that.
+#[cfg(all(unix, feature = "gpu"))]
+pub fn without_drivers<T>(work: impl FnOnce() -> T) -> T {
+    let _closed = if is_quiet() { ClosedStderr::new().ok() } else { None };
+    work()
+}
+
+/// Runs `work`, which graphics drivers take part in.
+#[cfg(all(not(unix), feature = "gpu"))]
+pub fn without_drivers<T>(work: impl FnOnce() -> T) -> T {
+    work()
+}
+
+/// Discards everything written to stderr until it is dropped.
+#[cfg(all(unix, feature = "gpu"))]
+struct ClosedStderr {
+    kept: std::os::fd::OwnedFd,
+}
+
+#[cfg(all(unix, feature = "gpu"))]
+impl ClosedStderr {
+    fn new() -> io::Result<Self> {
+        use std::os::fd::AsFd;
+        let kept = io::stderr().as_fd().try_clone_to_owned()?;
+        let nowhere = std::fs::File::options().write(true).open("/dev/null")?;
+        rustix::stdio::dup2_stderr(nowhere)?;
+        Ok(Self { kept })
+    }
+}
+
+#[cfg(all(unix, feature = "gpu"))]
+impl Drop for ClosedStderr {
+    fn drop(&mut self) {
+        let _ = rustix::stdio::dup2_stderr(&self.kept);
+    }
 }
 
 /// Writes each kind of warning with its count to stderr.

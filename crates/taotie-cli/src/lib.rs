@@ -44,6 +44,8 @@ enum Command {
     /// Renders a model to a picture or an animation.
     Render(Box<render::RenderArgs>),
     /// Renders a model with several surface methods and measures their error.
+    ///
+    /// Pictures are compared over the pixels that show either surface, not the background.
     Compare(Box<compare::CompareArgs>),
     /// Bakes a high-poly scan to low-poly glTF with a normal map, and measures the error.
     Bake(Box<bake::BakeArgs>),

@@ -42,14 +42,26 @@ pub struct RunArgs {
 }
 
 impl RunArgs {
-    /// Runs `work` on the requested number of threads, or on all of the machine's.
+    /// Runs `work` on the requested number of threads.
     pub fn in_pool<T: Send>(&self, work: impl FnOnce() -> T + Send) -> Result<T> {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(self.threads.unwrap_or(0))
-            .build()
-            .context("the threads could not be started; use fewer with --threads")?;
-        Ok(pool.install(work))
+        in_pool(self.threads, work)
     }
+}
+
+/// Runs `work` on `threads` threads. By default, these are all of the machine's, or fewer under a limit on the
+/// process's memory.
+pub fn in_pool<T: Send>(threads: Option<usize>, work: impl FnOnce() -> T + Send) -> Result<T> {
+    let count = threads.or_else(taotie_io::most_threads);
+    let started = |count: usize| rayon::ThreadPoolBuilder::new().num_threads(count).build();
+    let pool = match started(count.unwrap_or(0)) {
+        // The system may allow fewer threads, by `ulimit -u` or a cgroup.
+        Err(_) if threads.is_none() => started(1),
+        pool => pool,
+    };
+    let pool = pool.with_context(|| {
+        format!("the threads could not be started; use fewer with --threads{}", taotie_io::limits_note())
+    })?;
+    Ok(pool.install(work))
 }
 
 fn threads(text: &str) -> Result<usize, String> {

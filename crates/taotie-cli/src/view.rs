@@ -1,7 +1,7 @@
 //! `taotie view`: a model as a web page.
 
 use crate::proof_args::ScanArgs;
-use crate::running::LimitArgs;
+use crate::running::{LimitArgs, in_pool};
 use crate::studio::{
     self, CameraArgs, FilmArgs, Framing, LightArgs, MaterialArgs, ReflectionArgs, SurfaceArgs, Viewpoint,
 };
@@ -9,16 +9,20 @@ use crate::{console, stop};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use serde_json::json;
+use std::fs;
 use std::path::{Path, PathBuf};
 use taotie::Bytes;
 use taotie::asset::{Scan, ScanFile, ScanOptions, into_metres, model_unit};
 use taotie_engine::length::Unit;
 use taotie_engine::math::SimdLevel;
-use taotie_engine::render::{Prepared, RenderSettings, SurfaceSettings, scene_bytes};
+use taotie_engine::render::{
+    HeldPixels, Prepared, RenderSettings, SurfaceSettings, image_bytes, scene_bytes,
+};
+use taotie_engine::scene::Scene;
 use taotie_engine::shade::Shading;
 use taotie_engine::{Progress, Warnings};
 use taotie_io::{FileSet, load_model_within, read_bytes};
-use taotie_report::viewer::{self, Bookmark, ScanSubject, Subject, Viewer};
+use taotie_report::viewer::{self, Bookmark, FolderFiles, PageFile, ScanSubject, Subject, Viewer};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -130,7 +134,10 @@ impl ViewArgs {
         files.protect(self.light.environment_file())?;
         match (&self.output, &self.folder) {
             (Some(path), _) => Ok(files.claim(path)?),
-            (None, Some(folder)) => Ok(files.claim_folder(folder)?),
+            (None, Some(folder)) => {
+                FolderFiles::read(folder).check(FolderFiles::main_names(self.address.is_some()))?;
+                Ok(files.claim_folder(folder)?)
+            }
             (None, None) => Ok(()),
         }
     }
@@ -166,11 +173,19 @@ impl ViewArgs {
 /// Version of the JSON that `--json` prints.
 const SCHEMA: u32 = 1;
 
-/// Copies of the scene in memory: as it is, as it is written, compressed, and as text.
-const COPIES: u64 = 4;
+/// Returns the memory of a page: the scene with its instances placed, and its copies as written, compressed, and as
+/// text.
+fn page_bytes(scene: &Scene, settings: &RenderSettings) -> Bytes {
+    const COPIES: u64 = 3;
+    Bytes(COPIES * scene_bytes(scene) + image_bytes(scene, settings, HeldPixels::Codes))
+}
 
 /// Runs the subcommand.
 pub fn run(args: &ViewArgs) -> Result<()> {
+    in_pool(None, || view(args))?
+}
+
+fn view(args: &ViewArgs) -> Result<()> {
     args.check()?;
     let files = stop::files();
     args.claim(&files)?;
@@ -195,12 +210,11 @@ fn viewer(args: &ViewArgs, files: &FileSet, warnings: &mut Warnings) -> Result<V
     let environment = args.light.environment(&limits, warnings)?;
     let loaded = studio::load(&args.model, &args.material, args.surface.bump_scale, &limits)?;
     files.protect(&loaded.files)?;
-    limits
-        .check(format!("a page of {}", args.model.display()), Bytes(COPIES * scene_bytes(&loaded.scene)))?;
+    let settings = args.settings();
+    limits.check(format!("a page of {}", args.model.display()), page_bytes(&loaded.scene, &settings))?;
     let (facts, unit) = (viewer::facts(&loaded, &args.file_name()), model_unit(&loaded));
     warnings.absorb(loaded.warnings);
     args.light.note_unread(&loaded.scene, warnings);
-    let settings = args.settings();
     // The surface's attributes are made for the best method; the page shows the one asked for.
     let best = SurfaceSettings { method: None, ..settings.surface };
     let prepared = Prepared::new(loaded.scene, &best).with_context(|| args.model.display().to_string())?;
@@ -269,7 +283,7 @@ impl ShownScan {
             console::say("the page holds no part of the scan; --publish-scan shows it under the wipe");
             return Ok(Self { scan, published: None });
         };
-        limits.check(format!("a page of {what}"), Bytes(COPIES * scene_bytes(&scene)))?;
+        limits.check(format!("a page of {what}"), page_bytes(&scene, &args.settings()))?;
         let scene = viewer::scene_to_show(&scene, scan.sorted(), warnings).with_context(|| what.clone())?;
         let published = Some(Prepared::new(scene, &SurfaceSettings::default()).context(what)?);
         Ok(Self { scan, published })
@@ -282,23 +296,33 @@ impl ShownScan {
 
 /// Writes the page; returns its files, itself first.
 fn write(args: &ViewArgs, viewer: &Viewer, files: &FileSet) -> Result<Vec<PathBuf>> {
-    let (path, pages) = match (&args.output, &args.folder) {
-        (_, Some(folder)) => {
-            let mut pages = viewer.files();
-            pages.extend(args.address.iter().flat_map(|address| viewer.manifests(address)));
-            let written = pages.iter().map(|file| folder.join(&file.name)).collect::<Vec<_>>();
-            for (path, file) in written.iter().zip(&pages) {
-                files.write_bytes(path, &file.bytes)?;
-            }
-            files.commit()?;
-            return Ok(written);
-        }
-        (Some(path), None) => (path.clone(), viewer.html()),
-        (None, None) => (temporary(args)?, viewer.html()),
+    let path = match (&args.output, &args.folder) {
+        (_, Some(folder)) => return write_folder(folder, &viewer.files(args.address.as_deref()), files),
+        (Some(path), None) => path.clone(),
+        (None, None) => temporary(args)?,
     };
-    files.write_text(&path, &pages)?;
+    files.write_text(&path, &viewer.html())?;
     files.commit()?;
     Ok(vec![path])
+}
+
+/// Writes a folder and returns its files. Files of an earlier page are replaced, or removed if this one lacks them, so
+/// that no scan stays published.
+fn write_folder(folder: &Path, pages: &[PageFile], files: &FileSet) -> Result<Vec<PathBuf>> {
+    let names: Vec<&str> = pages.iter().map(|file| file.name.as_str()).collect();
+    let earlier = FolderFiles::read(folder);
+    earlier.check(names.iter().copied())?;
+    // One of them may be an input.
+    let others: Vec<PathBuf> =
+        earlier.others(&names).into_iter().filter(|path| files.reserve(path).is_ok()).collect();
+    for file in pages {
+        files.write_bytes(&folder.join(&file.name), &file.bytes)?;
+    }
+    files.commit()?;
+    for path in others {
+        fs::remove_file(&path).with_context(|| format!("{}: a file of the earlier page", path.display()))?;
+    }
+    Ok(names.iter().map(|name| folder.join(name)).collect())
 }
 
 /// The path of a page in a new folder for temporary files, which stays for the browser.

@@ -11,9 +11,16 @@ use std::sync::{Mutex, PoisonError};
 /// The maximum number of elements a thread takes at a time.
 const LONGEST: usize = 4096;
 
+/// The number of elements up to which waking other threads takes longer than the work: a model may have a million
+/// tiny meshes.
+const FEW: usize = 16;
+
 /// Calls `work` with each number below `count`.
 pub(crate) fn each(count: usize, work: &(dyn Fn(usize) + Sync)) {
-    (0..count).into_par_iter().with_max_len(1).for_each(work);
+    match count {
+        0 | 1 => (0..count).for_each(work),
+        _ => (0..count).into_par_iter().with_max_len(1).for_each(work),
+    }
 }
 
 /// Calls `work` with each number below `count`, until one call fails.
@@ -32,7 +39,7 @@ pub fn pieces<T: Send>(all: &mut [T], size: usize, work: &(dyn Fn(usize, &mut [T
 
 /// Calls `change` with the index of each element and the element.
 pub fn change<T: Send>(all: &mut [T], change: impl Fn(usize, &mut T) + Sync) {
-    let size = piece_size(all.len());
+    let size = cheap_piece_size(all.len());
     pieces(all, size, &|piece, part| {
         for (i, element) in part.iter_mut().enumerate() {
             change(piece * size + i, element);
@@ -56,7 +63,7 @@ pub fn tasks<T: Send>(count: usize, task: &(dyn Fn(usize) -> T + Sync)) -> Vec<T
 
 /// Returns the numbers below `count` for which `is` holds.
 pub fn filter(count: usize, is: impl Fn(usize) -> bool + Sync) -> Vec<usize> {
-    let size = piece_size(count);
+    let size = cheap_piece_size(count);
     let parts = tasks(count.div_ceil(size), &|piece| {
         let numbers = piece * size..((piece + 1) * size).min(count);
         numbers.filter(|i| is(*i)).collect::<Vec<usize>>()
@@ -85,9 +92,14 @@ fn piece_size(count: usize) -> usize {
     count.div_ceil(rayon::current_num_threads() * 32).clamp(1, LONGEST)
 }
 
+/// Like [`piece_size`], for elements that take next to no time: a few are one piece.
+fn cheap_piece_size(count: usize) -> usize {
+    if count <= FEW { FEW } else { piece_size(count) }
+}
+
 /// Returns the first number below `count` for which `is` holds. Pieces after one with such a number are skipped.
 pub fn first(count: usize, is: impl Fn(usize) -> bool + Sync) -> Option<usize> {
-    let size = piece_size(count);
+    let size = cheap_piece_size(count);
     let lowest = AtomicUsize::new(count);
     each(count.div_ceil(size), &|piece| {
         let mut numbers = piece * size..((piece + 1) * size).min(lowest.load(Ordering::Relaxed));

@@ -1,7 +1,7 @@
 //! An opened GPU: its choice, its checked use, and the errors of rendering on it.
 
 use serde::Serialize;
-use wgpu::{Buffer, BufferUsages, ErrorFilter, Features};
+use wgpu::{Buffer, BufferUsages, ErrorFilter, Features, PollType, SubmissionIndex};
 
 /// The features that are used if available.
 const USED: [Features; 2] = [Features::FLOAT32_FILTERABLE, Features::TEXTURE_FORMAT_16BIT_NORM];
@@ -49,8 +49,14 @@ impl Gpu {
 
     /// Its capabilities for textures.
     pub(crate) fn texture_support(&self) -> TextureSupport {
-        let is_coarse = self.description.kind == AdapterKind::Software;
-        TextureSupport { features: self.features, is_coarse }
+        TextureSupport { features: self.features, is_coarse: self.description.is_software() }
+    }
+
+    /// Waits until submitted work is done.
+    pub(crate) fn wait(&self, doing: &str, submitted: SubmissionIndex) -> Result<()> {
+        let submission_index = Some(submitted);
+        let waited = self.device.poll(PollType::Wait { submission_index, timeout: None });
+        waited.map(drop).map_err(|error| self.refused(doing, &error))
     }
 
     /// Runs a step and returns the driver's rejection as an error.
@@ -166,6 +172,11 @@ pub struct AdapterDescription {
 }
 
 impl AdapterDescription {
+    /// Returns `true` if it is a software implementation, which is slower than rendering on the CPU directly.
+    pub fn is_software(&self) -> bool {
+        self.kind == AdapterKind::Software
+    }
+
     fn new(info: &wgpu::AdapterInfo) -> Self {
         let driver = format!("{} {}", info.driver, info.driver_info);
         Self {
@@ -191,7 +202,7 @@ impl AdapterChoice {
     fn takes(&self, described: &AdapterDescription) -> bool {
         let name = described.name.to_lowercase();
         let named = self.name.as_ref().is_none_or(|wanted| name.contains(&wanted.to_lowercase()));
-        named && !(self.hardware_only && described.kind == AdapterKind::Software)
+        named && !(self.hardware_only && described.is_software())
     }
 
     /// The index of the best adapter, if any is acceptable.
@@ -222,11 +233,14 @@ fn find_adapter(choice: &AdapterChoice) -> Result<(wgpu::Adapter, AdapterDescrip
     });
     let adapters = pollster::block_on(instance.enumerate_adapters(backends));
     let described: Vec<_> = adapters.iter().map(|a| AdapterDescription::new(&a.get_info())).collect();
-    let best = choice.best(&described).and_then(|best| adapters.into_iter().zip(described).nth(best));
-    best.ok_or_else(|| {
+    let Some(best) = choice.best(&described) else {
         let names: Vec<String> = backends.iter_names().map(|(name, _)| name.to_lowercase()).collect();
-        GpuError::NoAdapter { looked_for: format!("{}; {}", names.join(", "), choice.text()) }
-    })
+        let looked_for = format!("{}; {}", names.join(", "), choice.text());
+        let software = described.into_iter().filter(|found| found.is_software()).map(|found| found.name);
+        return Err(GpuError::NoAdapter { looked_for, software: software.collect() });
+    };
+    let found = adapters.into_iter().zip(described).nth(best);
+    Ok(found.expect("it is the index of one of them"))
 }
 
 /// The result of an operation on a GPU.
@@ -244,6 +258,8 @@ pub enum GpuError {
     NoAdapter {
         /// The graphics APIs searched, and the choice.
         looked_for: String,
+        /// The names of the software implementations found.
+        software: Vec<String>,
     },
     /// The GPU was found but does not work.
     #[error("{adapter} cannot be used: {why}; update its driver, or render on the CPU")]

@@ -5,7 +5,6 @@ use crate::target::DEPTH;
 use std::collections::HashMap;
 use std::sync::Arc;
 use taotie_engine::render::{RenderSettings, Surface};
-use taotie_engine::scene::AlphaMode;
 use taotie_shader::{
     Interface, Language, PixelShader, ValueKind, Variant, VariantOptions, VertexInput, pixel_shader,
 };
@@ -244,5 +243,5 @@ impl PipelineKey {
 
 /// Returns true if a surface is blended.
 pub(crate) fn is_blended(surface: &Surface<'_>) -> bool {
-    surface.material.alpha == AlphaMode::Blend
+    surface.material.is_blended()
 }

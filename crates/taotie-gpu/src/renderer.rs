@@ -34,6 +34,9 @@ pub struct GpuRenderer<'p> {
     color: TextureFormat,
 }
 
+/// The step that errors of drawing name.
+const DRAWING: &str = "drawing";
+
 /// The resources that remain on the GPU.
 struct Uploaded {
     meshes: Meshes,
@@ -82,7 +85,8 @@ impl<'p> GpuRenderer<'p> {
         &self.gpu
     }
 
-    /// Renders an image in linear light. Every sample is shaded, as on the CPU.
+    /// Renders an image in linear light. Every sample is shaded, as on the CPU. `progress` reports shaders that are
+    /// ready and samples that the GPU has finished.
     ///
     /// # Errors
     /// [`GpuError::Scene`] as for [`taotie_engine::render::Pass::new`], or if cancelled; [`GpuError::Unsupported`]
@@ -95,19 +99,27 @@ impl<'p> GpuRenderer<'p> {
         }
         self.cast(&checked)?;
         self.frame.light(&self.gpu, shot.lighting)?;
-        let draws = self.draws(&checked, shot.lighting.environment.is_some())?;
+        let samples = checked.pattern.offsets().len();
+        // One step for the shaders, one for each sample, and one for reading the image.
+        let steps = (samples + 2) as f64;
+        let shaders = progress.part(0.0, 1.0 / steps);
+        let draws = self.draws(&checked, shot.lighting.environment.is_some(), shaders)?;
         let blended = self.blended(&checked)?;
         let mut target = self.take_target([checked.settings.width, checked.settings.height])?;
-        let samples = checked.pattern.offsets().len();
+        let mut submitted = None;
         for sample in 0..samples {
             self.frame.see(&self.gpu, &checked, sample);
-            self.gpu.checked("drawing", || {
+            let next = self.gpu.checked(DRAWING, || {
                 let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
                 self.draw(&mut encoder, &target, &draws, &blended);
                 target.add(&self.gpu, &mut encoder, SampleNumber { number: sample, count: samples });
-                self.gpu.queue.submit([encoder.finish()]);
+                self.gpu.queue.submit([encoder.finish()])
             })?;
-            progress.at((sample + 1) as f64 / (samples + 1) as f64)?;
+            // Waiting only for the sample before keeps the GPU busy.
+            if let Some(before) = submitted.replace(next) {
+                self.gpu.wait(DRAWING, before)?;
+                progress.at((sample + 1) as f64 / steps)?;
+            }
         }
         let mut color = target.read(&self.gpu)?;
         self.target = Some(target);
@@ -144,7 +156,12 @@ impl<'p> GpuRenderer<'p> {
     }
 
     /// All surfaces ready to draw, in order.
-    fn draws(&mut self, checked: &CheckedShot, environment: bool) -> Result<Vec<SurfaceDraw>> {
+    fn draws(
+        &mut self,
+        checked: &CheckedShot,
+        environment: bool,
+        progress: Progress<'_>,
+    ) -> Result<Vec<SurfaceDraw>> {
         let mut draws = Vec::with_capacity(self.surfaces.len());
         for number in 0..self.surfaces.len() {
             let key = PipelineKey::new(&self.surfaces[number], &checked.settings, environment);
@@ -160,6 +177,7 @@ impl<'p> GpuRenderer<'p> {
             let count = 3 * surface.surface.triangles.len() as u32;
             let blended = is_blended(surface.surface);
             draws.push(SurfaceDraw { pipeline, material, vertices, triangles, count, blended });
+            progress.at(draws.len() as f64 / self.surfaces.len() as f64)?;
         }
         Ok(draws)
     }

@@ -88,8 +88,8 @@ impl Casters {
         let first = self.vertices.len() as u32;
         let is_masked = matches!(surface.material.alpha, AlphaMode::Mask(_));
         let kind = match is_masked {
+            _ if is_blended(surface) => CASTS_NOT,
             true => MASKED + self.masks.add(prepared.scene().textures(), surface, first),
-            false if is_blended(surface) => CASTS_NOT,
             false => CASTS,
         };
         self.triangles.extend(surface.triangles.iter().map(|corners| {

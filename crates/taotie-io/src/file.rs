@@ -3,8 +3,10 @@
 use sha2::{Digest, Sha256};
 use std::fs::File;
 use std::io::{self, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, OnceLock, PoisonError};
+use std::thread::JoinHandle;
 use taotie_engine::error::{Error, Result};
 use taotie_engine::parallel;
 
@@ -80,6 +82,47 @@ pub fn sha256(path: &Path) -> Result<String> {
         }
     }
     Ok(hexadecimal(hash))
+}
+
+/// The SHA-256 of a file, being computed in the background.
+#[derive(Debug)]
+pub struct FileHash {
+    path: PathBuf,
+    thread: Mutex<Option<JoinHandle<Result<String>>>>,
+    /// The process that has the thread; a child made by `fork` does not.
+    process: u32,
+    known: OnceLock<String>,
+}
+
+impl FileHash {
+    /// Starts reading the file.
+    pub fn begin(path: &Path) -> Self {
+        let path = path.to_path_buf();
+        let read = path.clone();
+        // If the system cannot start a thread, the file is read on demand.
+        let thread = std::thread::Builder::new().spawn(move || sha256(&read)).ok();
+        Self { path, thread: Mutex::new(thread), process: std::process::id(), known: OnceLock::new() }
+    }
+
+    /// Returns the hash, hexadecimal, waiting for it if necessary.
+    ///
+    /// # Errors
+    /// As [`sha256`].
+    pub fn get(&self) -> Result<String> {
+        let mut thread = self.thread.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = self.known.get() {
+            return Ok(known.clone());
+        }
+        let begun = match thread.take() {
+            Some(thread) if self.process == std::process::id() => thread.join().ok(),
+            lost => {
+                std::mem::forget(lost);
+                None
+            }
+        };
+        let hash = begun.unwrap_or_else(|| sha256(&self.path))?;
+        Ok(self.known.get_or_init(|| hash).clone())
+    }
 }
 
 /// Returns the SHA-256 of bytes, in hexadecimal.

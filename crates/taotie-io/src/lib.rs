@@ -31,9 +31,9 @@ pub use gltf::{ContentSize, GLTF_EXTENSIONS, GltfSizes, GltfSource, ImageSize, S
 pub use bitmap::{
     decode_bitmap, decode_environment, decode_environment_within, read_bitmap, read_bitmap_within,
 };
-pub use file::{file_size, read as read_bytes, sha256, sha256_of};
+pub use file::{FileHash, file_size, read as read_bytes, sha256, sha256_of};
 pub use json::Json;
-pub use limits::{Bytes, Limits, Stopwatch, free_memory};
+pub use limits::{Bytes, Limits, Stopwatch, free_memory, limits_note, most_threads};
 pub use loaded::{GltfStructure, Loaded, RootNode, Variants};
 #[cfg(feature = "exr")]
 pub use write::encode_exr;
@@ -73,17 +73,47 @@ pub fn load_model(path: impl AsRef<Path>) -> Result<Loaded> {
 /// # Errors
 /// As [`load_model`]; [`Error::Limit`] if a limit is exceeded.
 pub fn load_model_within(path: &Path, limits: &Limits) -> Result<Loaded> {
+    load(path, limits, read)
+}
+
+/// Reads a model like [`load_model_within`], and the sizes of a glTF file's contents like [`GltfSizes::read`], which
+/// would read it again; `None` for other formats.
+///
+/// # Errors
+/// As [`load_model_within`].
+pub fn load_model_and_sizes(path: &Path, limits: &Limits) -> Result<(Loaded, Option<GltfSizes>)> {
+    let mut sizes = None;
+    let loaded = load(path, limits, |format, reading| match format {
+        Format::Gltf => gltf::read_with_sizes(reading).map(|(loaded, found)| {
+            sizes = Some(found);
+            loaded
+        }),
+        other => read(other, reading),
+    });
+    Ok((loaded?, sizes))
+}
+
+fn read(format: Format, reading: &Arc<Reading>) -> Result<Loaded> {
+    match format {
+        Format::Gltf => gltf::read(reading),
+        Format::Obj => obj::read(reading),
+        Format::Ply => ply::read(reading),
+        Format::Stl => stl::read(reading),
+    }
+}
+
+/// Lets `read` read a model, within limits.
+fn load(
+    path: &Path,
+    limits: &Limits,
+    read: impl FnOnce(Format, &Arc<Reading>) -> Result<Loaded>,
+) -> Result<Loaded> {
     let format = format_of(path)?;
     let reading = Arc::new(Reading::new(path, limits));
     if let Some(unpacked) = format.unpacked() {
         reading.count_file(path, unpacked)?;
     }
-    let loaded = match format {
-        Format::Gltf => gltf::read(&reading),
-        Format::Obj => obj::read(&reading),
-        Format::Ply => ply::read(&reading),
-        Format::Stl => stl::read(&reading),
-    };
+    let loaded = read(format, &reading);
     // Content that readers reduce to a warning, such as a skipped image, still counts towards the limits.
     reading.check()?;
     let loaded = with_size(loaded?, path)?;

@@ -1,5 +1,5 @@
-//! Limits on the memory and files used by reading, and by work on the content read; the machine's free memory, and
-//! the time that work takes.
+//! Limits on the memory and files used by reading, and by work on the content read; the memory that the machine, the
+//! process's groups and its own limits leave, and the time that work takes.
 
 use super::file::file_size;
 use std::fmt;
@@ -69,7 +69,7 @@ impl fmt::Display for Bytes {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(default)]
 pub struct Limits {
-    /// Maximum memory; `None` for the machine's free memory.
+    /// Maximum memory; `None` for [`free_memory`].
     pub memory: Option<Bytes>,
     /// Maximum number of pixels of an image that is read; never more than 2²⁸, which is 16384 × 16384.
     pub pixels: u64,
@@ -82,7 +82,7 @@ pub struct Limits {
 }
 
 impl Default for Limits {
-    /// Limits to the machine's free memory, images of 16384 × 16384 pixels, 2³² − 2 triangles, 16 million nodes, and
+    /// Limits to the free memory, images of 16384 × 16384 pixels, 2³² − 2 triangles, 16 million nodes, and
     /// files in the model's folder.
     fn default() -> Self {
         Self {
@@ -96,7 +96,7 @@ impl Default for Limits {
 }
 
 impl Limits {
-    /// Returns these limits with the machine's free memory filled in if no memory limit is set and it is known.
+    /// Returns these limits with the free memory filled in if no memory limit is set and it is known.
     pub fn or_free(self) -> Self {
         Self { memory: self.memory.or_else(|| free_memory().map(Bytes)), ..self }
     }
@@ -125,7 +125,8 @@ impl Limits {
                 what,
                 format!(
                     "it needs about {need} of memory, but the limit is {limit}; raise it with --memory-limit, free \
-                     memory, or request less"
+                     memory, or request less{}",
+                    limits_note()
                 ),
             )),
             _ => Ok(()),
@@ -141,7 +142,8 @@ impl Limits {
                 path.display().to_string(),
                 format!(
                     "its size is {size}, but the limit is {limit}; raise the memory limit, free memory, or simplify \
-                     the scan first"
+                     the scan first{}",
+                    limits_note()
                 ),
             )),
             _ => Ok(()),
@@ -149,18 +151,150 @@ impl Limits {
     }
 }
 
-/// Returns the memory available for new work, in bytes: the system's figure, or the rest of its limit on this process
-/// group if that is less; file caches count as available. `None` if unknown.
+/// Returns the memory available for new work, in bytes: the minimum of what the system has, what the limits on the
+/// process's groups (cgroups) leave, and about half of what its own limit (`ulimit -v`, `ulimit -d`) leaves. File
+/// caches count as available. `None` if unknown.
 pub fn free_memory() -> Option<u64> {
     let mut system = sysinfo::System::new();
     system.refresh_memory();
-    // If the system reports nothing, as without /proc, the limits of groups are not queried: that panics.
-    if system.total_memory() == 0 {
-        return None;
+    let of_system = Some(system.available_memory()).filter(|free| *free > 0);
+    let of_groups = group_limit(ROOT).map(|group| group.left);
+    [of_system, of_groups, process_limit(ROOT).map(|process| process.for_work())].into_iter().flatten().min()
+}
+
+/// Returns the number of threads to start at most, if the process's own limit leaves too little for one on each
+/// processor; `None` if all processors can be used.
+pub fn most_threads() -> Option<usize> {
+    let processors = processors();
+    process_limit(ROOT).map(|process| process.threads(processors)).filter(|threads| *threads < processors)
+}
+
+/// Returns the limits that the system sets, in parentheses for the end of a message; an empty string without any.
+pub fn limits_note() -> String {
+    let process =
+        process_limit(ROOT).map(|limit| format!(" (`{}` limits the process to {})", limit.name, limit.total));
+    let group = || group_limit(ROOT).map(|group| format!(" (its cgroup is limited to {})", group.total));
+    process.or_else(group).unwrap_or_default()
+}
+
+/// The root folder of the system's files.
+const ROOT: &str = "/";
+
+fn processors() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// A limit that the system sets, and the bytes of it that are not used.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct SystemLimit {
+    /// The shell's command for it; empty if it has none.
+    name: &'static str,
+    total: Bytes,
+    left: u64,
+}
+
+impl SystemLimit {
+    /// The address space of a thread: its stack, and the arena that glibc reserves for its allocations.
+    const THREAD: u64 = 66 << 20;
+    /// The address space of what no estimate includes.
+    const PROGRAM: u64 = 64 << 20;
+
+    /// Returns the memory for work under a limit on the address space: half of what two pools of threads leave, since
+    /// estimates are of the memory used, which is less than the address space reserved, and some work is estimated in
+    /// two parts.
+    fn for_work(&self) -> u64 {
+        let threads = 2 * self.threads(processors()) as u64;
+        self.left.saturating_sub(threads * Self::THREAD + Self::PROGRAM) / 2
     }
-    let limits = system.cgroup_limits().map(|limits| limits.total_memory.saturating_sub(limits.rss));
-    let free = limits.map_or(system.available_memory(), |group| group.min(system.available_memory()));
-    (free > 0).then_some(free)
+
+    /// Returns the number of threads of which a quarter of the limit has room, 1 to `processors`.
+    fn threads(&self, processors: usize) -> usize {
+        let fitting = usize::try_from(self.left / 4 / Self::THREAD).unwrap_or(usize::MAX);
+        fitting.clamp(1, processors)
+    }
+}
+
+/// Returns the limit on the address space or the data of this process that leaves less; `None` without one, and on
+/// systems other than Linux.
+fn process_limit(root: &str) -> Option<SystemLimit> {
+    let [limits, status] = ["limits", "status"]
+        .map(|name| std::fs::read_to_string(Path::new(root).join("proc/self").join(name)));
+    let (limits, status) = (limits.ok()?, status.ok()?);
+    let first_number = |text: &str, name: &str| -> Option<u64> {
+        text.lines().find_map(|line| line.strip_prefix(name))?.split_whitespace().next()?.parse().ok()
+    };
+    let limit = |name, limit, used| {
+        let total = first_number(&limits, limit)?;
+        let left = total.saturating_sub(first_number(&status, used)? << 10);
+        Some(SystemLimit { name, total: Bytes(total), left })
+    };
+    let space = limit("ulimit -v", "Max address space", "VmSize:");
+    let data = limit("ulimit -d", "Max data size", "VmData:");
+    [space, data].into_iter().flatten().min_by_key(|limit| limit.left)
+}
+
+/// The files of a control group, and the entries of its statistics that count file caches.
+struct GroupFiles {
+    folder: &'static str,
+    limit: &'static str,
+    usage: &'static str,
+    caches: [&'static str; 2],
+}
+
+/// Groups of version 2, and the memory controller of version 1.
+const UNIFIED: GroupFiles = GroupFiles {
+    folder: "sys/fs/cgroup",
+    limit: "memory.max",
+    usage: "memory.current",
+    caches: ["inactive_file ", "active_file "],
+};
+const CONTROLLER: GroupFiles = GroupFiles {
+    folder: "sys/fs/cgroup/memory",
+    limit: "memory.limit_in_bytes",
+    usage: "memory.usage_in_bytes",
+    caches: ["total_inactive_file ", "total_active_file "],
+};
+
+/// Returns the limit of this process's groups and those above that leaves least; `None` without one.
+fn group_limit(root: &str) -> Option<SystemLimit> {
+    /// Version 1 has no word for "unlimited", but a number above any machine's memory.
+    const UNLIMITED: u64 = 1 << 60;
+    let groups = std::fs::read_to_string(Path::new(root).join("proc/self/cgroup")).ok()?;
+    let limits = groups.lines().flat_map(|line| {
+        let mut parts = line.splitn(3, ':').skip(1);
+        let (controllers, path) = (parts.next().unwrap_or_default(), parts.next().unwrap_or_default());
+        let files = match controllers {
+            "" => Some(UNIFIED),
+            several => several.split(',').any(|name| name == "memory").then_some(CONTROLLER),
+        };
+        files.into_iter().flat_map(move |files| files.limits(root, path))
+    });
+    limits.filter(|limit| limit.total.0 < UNLIMITED).min_by_key(|limit| limit.left)
+}
+
+impl GroupFiles {
+    /// Returns the limits of a group and of all above it. In a container, its own files may be at the top although its
+    /// path is not.
+    fn limits(&self, root: &str, path: &str) -> Vec<SystemLimit> {
+        let top = Path::new(root).join(self.folder);
+        let path = Path::new(path.trim_start_matches('/'));
+        let leaves = path.components().any(|part| !matches!(part, std::path::Component::Normal(_)));
+        let path = if leaves { Path::new("") } else { path };
+        path.ancestors().filter_map(|group| self.limit(&top.join(group))).collect()
+    }
+
+    fn limit(&self, group: &Path) -> Option<SystemLimit> {
+        let read = |name: &str| std::fs::read_to_string(group.join(name)).ok();
+        let number = |name: &str| read(name)?.trim().parse::<u64>().ok();
+        let (total, usage) = (number(self.limit)?, number(self.usage)?);
+        let statistics = read("memory.stat").unwrap_or_default();
+        let entry = |name: &&str| {
+            statistics.lines().find_map(|line| line.strip_prefix(*name)?.trim().parse::<u64>().ok())
+        };
+        let cache: u64 = self.caches.iter().filter_map(entry).sum();
+        let left = total.saturating_sub(usage.saturating_sub(cache));
+        Some(SystemLimit { name: "", total: Bytes(total), left })
+    }
 }
 
 /// A running clock that measures elapsed time.
@@ -194,5 +328,68 @@ mod tests {
             assert!(read(wrong).is_none(), "{wrong}");
         }
         assert_eq!(Bytes(3 << 29).to_string(), "1.5 GiB");
+    }
+
+    /// Writes files under a new root folder of a system.
+    fn system(files: &[(&str, &str)]) -> tempfile::TempDir {
+        let root = tempfile::tempdir().unwrap();
+        for (name, text) in files {
+            let path = root.path().join(name);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, text).unwrap();
+        }
+        root
+    }
+
+    #[test]
+    fn the_limit_of_the_process_counts() {
+        let limits = |space: &str, data: &str| {
+            let limits = format!(
+                "Limit                     Soft Limit           Hard Limit           Units     \n\
+                 Max data size             {data}            unlimited            bytes     \n\
+                 Max address space         {space}           unlimited            bytes     \n"
+            );
+            let status = "Name:\ttaotie\nVmSize:\t  100000 kB\nVmData:\t   50000 kB\n";
+            let root = system(&[("proc/self/limits", &limits), ("proc/self/status", status)]);
+            process_limit(root.path().to_str().unwrap())
+        };
+        assert_eq!(limits("unlimited", "unlimited"), None);
+        let (space, data) =
+            (limits("2048000000", "unlimited").unwrap(), limits("2048000000", "90000000").unwrap());
+        assert_eq!((space.name, space.left), ("ulimit -v", 2_048_000_000 - 102_400_000));
+        assert_eq!((data.name, data.left), ("ulimit -d", 90_000_000 - 51_200_000));
+        assert_eq!([space, data].map(|limit| limit.threads(64)), [7, 1]);
+        assert!((300 << 20..space.left / 2).contains(&space.for_work()), "{}", space.for_work());
+        assert_eq!(data.for_work(), 0);
+        assert_eq!(process_limit(system(&[]).path().to_str().unwrap()), None);
+    }
+
+    #[test]
+    fn the_limits_of_groups_count() {
+        let left = |files: &[(&str, &str)]| {
+            let root = system(files);
+            group_limit(root.path().to_str().unwrap()).map(|limit| (limit.total.0, limit.left))
+        };
+        let slice = [
+            ("proc/self/cgroup", "0::/user.slice/run.scope\n"),
+            ("sys/fs/cgroup/user.slice/memory.max", "4000\n"),
+            ("sys/fs/cgroup/user.slice/memory.current", "3000\n"),
+            ("sys/fs/cgroup/user.slice/memory.stat", "anon 900\ninactive_file 1500\nactive_file 500\n"),
+            ("sys/fs/cgroup/user.slice/run.scope/memory.max", "max\n"),
+            ("sys/fs/cgroup/user.slice/run.scope/memory.current", "10\n"),
+        ];
+        assert_eq!(left(&slice), Some((4000, 3000)), "the group above has the limit");
+        let old = [
+            ("proc/self/cgroup", "5:cpu,cpuacct:/\n4:memory:/docker/1a\n"),
+            ("sys/fs/cgroup/memory/memory.limit_in_bytes", "6000\n"),
+            ("sys/fs/cgroup/memory/memory.usage_in_bytes", "1000\n"),
+        ];
+        assert_eq!(left(&old), Some((6000, 5000)), "a container sees its own files at the top");
+        let unlimited = [
+            ("proc/self/cgroup", "4:memory:/../x\n"),
+            ("sys/fs/cgroup/memory/memory.limit_in_bytes", "9223372036854771712\n"),
+            ("sys/fs/cgroup/memory/memory.usage_in_bytes", "1000\n"),
+        ];
+        assert_eq!((left(&unlimited), left(&[])), (None, None));
     }
 }

@@ -11,31 +11,40 @@ use std::path::PathBuf;
 use taotie_engine::Result;
 use taotie_engine::compare::Field;
 use taotie_engine::image::{Bitmap, Image, Texels};
+use taotie_engine::math::srgb::linear_from_srgb;
 use taotie_engine::math::{Vec2, Vec3};
 use taotie_engine::mesh::{Mesh, MeshData};
 use taotie_io::Limits;
 
-/// Rows of numbers, as given.
-#[derive(FromPyObject)]
-pub enum Rows<'py> {
-    /// Single precision.
-    Single(PyReadonlyArray2<'py, f32>),
-    /// Double precision, which is rounded to single.
-    Double(PyReadonlyArray2<'py, f64>),
+/// Rows of numbers, contiguous in row-major order.
+type Rows<'py> = PyReadonlyArray2<'py, f32>;
+
+fn rows<const N: usize, T>(array: &Rows<'_>, make: impl Fn([f32; N]) -> T) -> PyResult<Vec<T>> {
+    Ok(array.as_slice()?.as_chunks::<N>().0.iter().map(|row| make(*row)).collect())
 }
 
-impl Rows<'_> {
-    /// Returns each row as `N` single-precision numbers. The array must be contiguous in row-major order.
-    fn rows<const N: usize, T>(&self, make: impl Fn([f32; N]) -> T) -> PyResult<Vec<T>> {
-        Ok(match self {
-            Self::Single(array) => {
-                array.as_slice()?.as_chunks::<N>().0.iter().map(|row| make(*row)).collect()
-            }
-            Self::Double(array) => {
-                let rows = array.as_slice()?.as_chunks::<N>().0.iter();
-                rows.map(|row| make(row.map(|number| number as f32))).collect()
-            }
-        })
+/// Colours, RGBA, contiguous in row-major order.
+#[derive(FromPyObject)]
+pub enum Colors<'py> {
+    /// sRGB codes; alpha is linear.
+    Codes(PyReadonlyArray2<'py, u8>),
+    /// Linear light.
+    Linear(Rows<'py>),
+}
+
+impl Colors<'_> {
+    fn linear(&self) -> PyResult<Vec<[f32; 4]>> {
+        let codes = match self {
+            Self::Linear(colors) => return rows(colors, |color| color),
+            Self::Codes(codes) => codes.as_slice()?.as_chunks::<4>().0,
+        };
+        let share = |code: u8| f64::from(code) / 255.0;
+        let table: [f32; 256] = std::array::from_fn(|code| linear_from_srgb(share(code as u8)) as f32);
+        let linear = |[r, g, b, a]: &[u8; 4]| {
+            let [r, g, b] = [r, g, b].map(|code| table[usize::from(*code)]);
+            [r, g, b, share(*a) as f32]
+        };
+        Ok(codes.iter().map(linear).collect())
     }
 }
 
@@ -47,21 +56,20 @@ pub struct MeshArrays<'py> {
     faces: PyReadonlyArray2<'py, u32>,
     normals: Option<Rows<'py>>,
     uvs: Option<Rows<'py>>,
-    colors: Option<Rows<'py>>,
+    colors: Option<Colors<'py>>,
 }
 
 impl MeshArrays<'_> {
     /// Returns the arrays in the library's form, UVs with their origin top left; nothing is checked.
     pub fn data(&self) -> PyResult<MeshData> {
-        let vectors =
-            |rows: &Option<Rows<'_>>| rows.as_ref().map_or(Ok(Vec::new()), |r| r.rows(Vec3::from_array));
-        let uvs = self.uvs.as_ref().map(|uvs| uvs.rows(|[x, y]| Vec2 { x, y })).transpose()?;
+        let vectors = |array: &Rows<'_>| rows(array, Vec3::from_array);
+        let uvs = self.uvs.as_ref().map(|uvs| rows(uvs, |[x, y]| Vec2 { x, y })).transpose()?;
         Ok(MeshData {
-            positions: self.vertices.rows(Vec3::from_array)?,
-            normals: vectors(&self.normals)?,
+            positions: vectors(&self.vertices)?,
+            normals: self.normals.as_ref().map_or(Ok(Vec::new()), vectors)?,
             tangents: Vec::new(),
             uvs: uvs.into_iter().collect(),
-            colors: self.colors.as_ref().map_or(Ok(Vec::new()), |colors| colors.rows(|color| color))?,
+            colors: self.colors.as_ref().map_or(Ok(Vec::new()), Colors::linear)?,
             triangles: self.faces.as_slice()?.as_chunks::<3>().0.to_vec(),
         })
     }

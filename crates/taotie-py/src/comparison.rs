@@ -1,6 +1,8 @@
 //! One model rendered by several surface methods, measured against another.
 
 use crate::arrays;
+use crate::camera::CameraRequest;
+use crate::environment::EnvironmentRequest;
 use crate::error::no_json;
 use crate::model::Model;
 use crate::options::Options;
@@ -10,9 +12,10 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde::Deserialize;
 use taotie::comparison::{Comparison, ComparisonOptions, NamedScene, RenderedSurface, Subject};
-use taotie::studio::{CameraOptions, EnvironmentOptions, Framing, LightOptions, Viewpoint};
-use taotie_engine::Result;
+use taotie::studio::{Framing, LightOptions, Viewpoint};
 use taotie_engine::names::Named;
+use taotie_engine::render::EnvironmentLight;
+use taotie_engine::{Result, Warnings};
 
 /// The models to compare.
 #[derive(FromPyObject)]
@@ -23,16 +26,24 @@ pub struct Models {
     names: [String; 2],
 }
 
+/// The parameters of a comparison.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct CompareRequest<'py> {
+    /// [`Request`].
+    options: Options,
+    environment: EnvironmentRequest<'py>,
+}
+
 /// The options of a comparison.
 #[derive(Deserialize, Default)]
 #[serde(default, deny_unknown_fields)]
 struct Request {
     options: ComparisonOptions,
     background: Option<Color>,
-    camera: CameraOptions,
+    camera: CameraRequest,
     lights: Vec<String>,
     ambient: Option<Color>,
-    environment: EnvironmentOptions,
 }
 
 /// Renders and measures; returns the report as JSON, and arrays for each method.
@@ -40,10 +51,10 @@ struct Request {
 pub fn compare<'py>(
     py: Python<'py>,
     models: Models,
-    request: Options,
+    request: CompareRequest<'py>,
     running: Running,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let request = request.read::<Request>()?;
+    let (request, environment) = (request.options.read::<Request>()?, request.environment.taken(py)?);
     let comparison = work::run(py, &running, |progress| {
         let low = &models.low.get().loaded.scene;
         let mut high = models.high.as_ref().map(|model| model.get().loaded.scene.clone());
@@ -52,8 +63,11 @@ pub fn compare<'py>(
         }
         let mut subject = Subject::new(&models.names[0], low);
         subject.reference = high.as_ref().map(|scene| NamedScene { name: &models.names[1], scene });
-        let options = request.seen(&subject)?;
-        Comparison::of(&subject, &options, progress)
+        let mut warnings = Warnings::default();
+        let options = request.seen(&subject, environment.load(&mut warnings)?.as_ref())?;
+        let mut comparison = Comparison::of(&subject, &options, progress)?;
+        comparison.warnings.absorb(warnings);
+        Ok(comparison)
     })?;
     let result = PyDict::new(py);
     result.set_item("report", serde_json::to_string(&comparison.report()).map_err(no_json)?)?;
@@ -68,15 +82,19 @@ pub fn compare<'py>(
 
 impl Request {
     /// Returns the options including camera, lights and background.
-    fn seen(&self, subject: &Subject<'_>) -> Result<ComparisonOptions> {
+    fn seen(
+        &self,
+        subject: &Subject<'_>,
+        environment: Option<&EnvironmentLight>,
+    ) -> Result<ComparisonOptions> {
         let (scene, mut options) = (subject.model.scene, self.options.clone());
         let size = [options.settings.width, options.settings.height];
-        let viewpoint = Viewpoint::choose(&self.camera, Framing { size, all_around: false }, scene)?;
+        let framing = Framing { size, all_around: false };
+        let viewpoint = Viewpoint::choose(&self.camera.options(scene, framing), framing, scene)?;
         let lights = self.lights.iter().map(|line| line.parse()).collect::<Result<_>>()?;
         let light = LightOptions { lights, ambient: self.ambient.as_ref().map(Color::rgb).transpose()? };
         light.check()?;
-        let environment = self.environment.load(&mut Default::default())?;
-        options.lighting = Some(light.lighting(environment.as_ref(), scene, viewpoint.at(0.0)));
+        options.lighting = Some(light.lighting(environment, scene, viewpoint.at(0.0)));
         options.camera = Some(viewpoint.at(0.0).camera());
         if let Some(background) = &self.background {
             options.development.background = Some(background.rgb()?);

@@ -11,13 +11,13 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use serde::Deserialize;
 use taotie::comparison::diff::{DiffOptions, ImagePair, NamedBitmap};
+use taotie_engine::Error;
 use taotie_engine::image::{Bitmap, Encoding, Wrap};
 use taotie_engine::normal_map::{
     self, ConversionOptions, MapContent, MapSource, convert_map, guessed_content, tangent_from_height,
 };
 use taotie_engine::scene::{GreenChannel, NormalSpace};
 use taotie_engine::surface::{GreenVerdict, green_direction};
-use taotie_engine::{Error, Result};
 use taotie_io::{PngColor, PngImage, PngSamples, encode_png};
 
 /// Two images.
@@ -127,10 +127,9 @@ pub fn normals_of_heights<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let wrap: Wrap = serde_json::from_value(border.into()).map_err(no_json)?;
     let (values, size) = (heights.values.as_slice()?.to_vec(), heights.size);
-    let image = py.detach(move || -> Result<_> {
+    let image = work::detached(py, move || {
         tangent_from_height(&normal_map::Heights::new(size, values, [wrap; 2])?, scale)
-    });
-    let image = image.map_err(|error| exception(py, &error))?;
+    })?;
     arrays::of_image(py, &image, 3)
 }
 
@@ -138,12 +137,12 @@ pub fn normals_of_heights<'py>(
 #[pyfunction]
 pub fn write_png<'py>(py: Python<'py>, codes: PyReadonlyArray3<'py, u8>) -> PyResult<Bound<'py, PyBytes>> {
     let (shape, values) = (codes.shape().to_vec(), codes.as_slice()?.to_vec());
-    let bytes = py.detach(move || {
+    let bytes = work::detached(py, move || {
         let side = |axis: usize| u32::try_from(shape[axis]).unwrap_or(u32::MAX);
         let (color, samples) = (PngColor::Rgba, PngSamples::U8(&values));
         encode_png(&PngImage { width: side(1), height: side(0), color, samples, encoding: Encoding::Srgb })
-    });
-    Ok(PyBytes::new(py, &bytes.map_err(|error| exception(py, &error))?))
+    })?;
+    Ok(PyBytes::new(py, &bytes))
 }
 
 /// Parses a colour, a text or linear RGB, to linear RGB.

@@ -6,12 +6,19 @@
 
 mod arrays;
 mod asset;
+mod camera;
 mod comparison;
 mod convert;
+mod device;
+mod environment;
 mod error;
+mod material;
 mod model;
 mod options;
+mod parts;
+mod picture;
 mod renderer;
+mod scene;
 mod shade;
 mod viewer;
 mod work;
@@ -37,9 +44,13 @@ mod _taotie {
     #[pymodule_export]
     use super::convert::{color, convert, diff, normals_of_heights, write_png};
     #[pymodule_export]
-    use super::model::{Model, load, model_of_arrays};
+    use super::model::{Model, load, model_of_parts};
+    #[pymodule_export]
+    use super::picture::write_photo;
     #[pymodule_export]
     use super::renderer::Renderer;
+    #[pymodule_export]
+    use super::scene::{join, save_model};
     #[pymodule_export]
     use super::shade::shade;
     #[pymodule_export]

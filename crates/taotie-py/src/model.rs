@@ -1,11 +1,13 @@
 //! Models: from a file, or from the arrays of a mesh.
 
-use crate::arrays::{self, MeshArrays};
+use crate::arrays;
 use crate::error::{exception, no_json};
+use crate::material::MaterialRequest;
 use crate::options::Options;
+use crate::parts::{self, Parts};
 use crate::work::{self, Listed, Running};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict};
+use pyo3::types::{PyBytes, PyDict, PyList};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -16,16 +18,24 @@ use taotie::studio::{self, MaterialOptions};
 use taotie_engine::bake::low_poly_mesh;
 use taotie_engine::length::Unit;
 use taotie_engine::mesh::Mesh;
-use taotie_engine::scene::{Material, Scene};
+use taotie_engine::scene::Scene;
 use taotie_engine::surface::with_normals;
 use taotie_engine::{Error, Progress, Warnings};
 use taotie_io::{GltfSizes, GltfSource, Loaded};
+
+/// The parameters of a model.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct ModelRequest<'py> {
+    material: MaterialRequest<'py>,
+    /// [`Request`].
+    options: Options,
+}
 
 /// The options of a model.
 #[derive(Deserialize, Default)]
 #[serde(default, deny_unknown_fields)]
 struct Request {
-    material: MaterialOptions,
     scan: ScanOptions,
     memory_limit: Option<String>,
     allow_outside: bool,
@@ -51,34 +61,42 @@ pub struct Model {
 
 /// Reads a model and applies the requested material options.
 #[pyfunction]
-pub fn load(py: Python<'_>, path: PathBuf, request: Options, running: Running) -> PyResult<Model> {
-    let request = request.read::<Request>()?;
+pub fn load(py: Python<'_>, path: PathBuf, request: ModelRequest<'_>, running: Running) -> PyResult<Model> {
+    let (request, material) = (request.options.read::<Request>()?, request.material.taken(py)?);
     work::run(py, &running, move |progress| {
         let limits = request.limits()?;
         let file = path.clone();
-        let read = move |_: Progress<'_>| studio::load(&file, &request.material, &limits);
+        let variant =
+            MaterialOptions { variant: material.options.variant.clone(), ..MaterialOptions::default() };
+        let read = move |_: Progress<'_>| {
+            let mut loaded = studio::load(&file, &variant, &limits)?;
+            material.apply(&mut loaded.scene, &limits)?;
+            Ok(loaded)
+        };
         let loaded = progress.begin("read the model")?.apart(read)?;
         request.scan.check()?;
         Ok(Model { loaded, path: Some(path), limits, scan_options: request.scan, scan: Mutex::default() })
     })
 }
 
-/// Creates a model from one mesh, and applies the requested material options.
+/// Creates a model from meshes, materials and images, and applies the requested material options.
 #[pyfunction]
-pub fn model_of_arrays(py: Python<'_>, arrays: MeshArrays<'_>, request: Options) -> PyResult<Model> {
-    let request = request.read::<Request>()?;
-    let data = arrays.data()?;
-    let made = py.detach(move || {
-        let mut scene = Scene::of_mesh(Mesh::new(data)?, Material::default())?;
-        request.material.apply(&mut scene)?;
-        let loaded = Loaded::new(scene, Warnings::default(), "arrays");
-        let (limits, scan_options) = (request.limits()?, request.scan);
-        Ok::<_, Error>(Model { loaded, path: None, limits, scan_options, scan: Mutex::default() })
-    });
-    made.map_err(|error| exception(py, &error))
+pub fn model_of_parts(py: Python<'_>, parts: Parts<'_>, material: MaterialRequest<'_>) -> PyResult<Model> {
+    let (parts, material) = (parts.taken(py)?, material.taken(py)?);
+    work::detached(py, move || {
+        let mut scene = parts.scene()?;
+        material.apply(&mut scene, &Limits::default().or_free())?;
+        Ok(Model::in_memory(Loaded::new(scene, Warnings::default(), "arrays")))
+    })
 }
 
 impl Model {
+    /// Returns a model that is not in a file.
+    pub fn in_memory(loaded: Loaded) -> Self {
+        let (limits, scan_options) = (Limits::default().or_free(), ScanOptions::default());
+        Self { loaded, path: None, limits, scan_options, scan: Mutex::default() }
+    }
+
     /// Returns the scan, which is created only once.
     pub fn scan(&self, progress: Progress<'_>) -> taotie_engine::Result<Scan> {
         let mut kept = self.scan.lock().unwrap_or_else(PoisonError::into_inner);
@@ -128,7 +146,7 @@ impl Model {
 
 /// Returns a scene whose meshes all have normals: meshes without them are faceted in glTF, and smooth in other
 /// formats.
-fn smooth(scene: &Scene) -> taotie_engine::Result<Scene> {
+pub fn smooth(scene: &Scene) -> taotie_engine::Result<Scene> {
     let mut data = scene.clone().into_data();
     for mesh in &mut data.meshes {
         *mesh = with_normals(mesh)?.into_owned();
@@ -149,8 +167,9 @@ impl Model {
     }
 
     /// The minimum and maximum corner in world space; `None` without triangles.
-    fn bounds(&self) -> Option<[[f64; 3]; 2]> {
-        self.loaded.scene.bounds().map(|bounds| [bounds.min.to_array(), bounds.max.to_array()])
+    fn bounds(&self, py: Python<'_>) -> PyResult<Option<[[f64; 3]; 2]>> {
+        let bounds = work::detached(py, || Ok(self.loaded.scene.bounds()))?;
+        Ok(bounds.map(|bounds| [bounds.min.to_array(), bounds.max.to_array()]))
     }
 
     /// The source format: `glTF`, `GLB`, `OBJ`, `PLY`, `STL`, or `arrays`.
@@ -160,21 +179,25 @@ impl Model {
 
     /// All triangles as one mesh in world space, as arrays.
     fn arrays<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let mesh = py.detach(|| self.mesh()).map_err(|error| exception(py, &error))?;
-        arrays::of_mesh(py, &mesh)
+        arrays::of_mesh(py, &work::detached(py, || self.mesh())?)
+    }
+
+    /// The model as one mesh for each material, see [`parts::of_scene`], and counted omissions.
+    fn parts<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyList>, Listed)> {
+        let (parts, warnings) = parts::of_scene(py, &self.loaded.scene)?;
+        Ok((parts, work::listed(&warnings)))
     }
 
     /// The same model with the requested materials.
-    fn dressed(&self, py: Python<'_>, request: Options) -> PyResult<Self> {
-        let material = request.read::<MaterialOptions>()?;
+    fn dressed(&self, py: Python<'_>, material: MaterialRequest<'_>) -> PyResult<Self> {
+        let material = material.taken(py)?;
         let (mut loaded, path) = (self.loaded.clone(), self.path.clone());
-        let dressed = py.detach(|| {
-            if let Some(variant) = &material.variant {
+        work::detached(py, || {
+            if let Some(variant) = &material.options.variant {
                 loaded.variants.apply(variant, &mut loaded.scene)?;
             }
-            material.apply(&mut loaded.scene)
-        });
-        dressed.map_err(|error| exception(py, &error))?;
+            material.apply(&mut loaded.scene, &self.limits)
+        })?;
         Ok(Self {
             loaded,
             path,
@@ -207,19 +230,18 @@ impl Model {
                 file.map(|path| GltfSizes::read(GltfSource::File(path), &self.limits)).transpose()?;
             Ok::<_, Error>(inspection)
         };
-        let inspection = py.detach(inspection).map_err(|error| exception(py, &error))?;
+        let inspection = work::detached(py, inspection)?;
         serde_json::to_string(&inspection).map_err(no_json)
     }
 
     /// The result of checking the model against an auditor's schema file, as JSON.
     fn audit(&self, py: Python<'_>, schema: PathBuf, product_info: Option<PathBuf>) -> PyResult<String> {
-        let audit = py.detach(|| {
+        let audit = work::detached(py, || {
             let schema = AuditSchema::parse(&taotie_io::read_bytes(&schema)?, schema.display())?;
             let product =
                 product_info.map(|path| ProductInfo::parse(&taotie_io::read_bytes(&path)?, path.display()));
             Audit::of(&self.loaded, &schema, product.transpose()?.as_ref())
-        });
-        let audit = audit.map_err(|error| exception(py, &error))?;
+        })?;
         serde_json::to_string(&audit).map_err(no_json)
     }
 
@@ -227,8 +249,8 @@ impl Model {
     fn glb<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyBytes>, Listed)> {
         let mut warnings = Warnings::default();
         let Loaded { scene, mesh_names, .. } = &self.loaded;
-        let bytes = py.detach(|| taotie_io::encode_scene(&smooth(scene)?, mesh_names, &mut warnings));
-        let bytes = bytes.map_err(|error| exception(py, &error))?;
+        let bytes =
+            work::detached(py, || taotie_io::encode_scene(&smooth(scene)?, mesh_names, &mut warnings))?;
         Ok((PyBytes::new(py, &bytes), work::listed(&warnings)))
     }
 }

@@ -1,6 +1,10 @@
 //! Images of a model.
 
 use crate::arrays;
+use crate::camera::CameraRequest;
+use crate::device::{Device, Machine};
+use crate::environment::{EnvironmentRequest, RequestedEnvironment};
+use crate::error::no_json;
 use crate::model::Model;
 use crate::options::Options;
 use crate::work::{self, Listed, Running};
@@ -8,16 +12,14 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde::Deserialize;
 use std::sync::{Arc, Mutex, PoisonError};
-use taotie::studio::{
-    CameraOptions, EnvironmentOptions, Framing, LightOptions, LightSpec, Motion, Viewpoint,
-};
+use taotie::studio::{Framing, LightOptions, LightSpec, Motion, Viewpoint};
 use taotie_engine::film::{self, Development, ToneCurve};
 use taotie_engine::math::Vec3;
 use taotie_engine::render::{
     EnvironmentLight, Frame, ReferenceSettings, RenderSettings, Shot, SurfaceSettings, reference,
 };
-use taotie_engine::scene::Scene;
-use taotie_engine::{Progress, Result, Warnings};
+use taotie_engine::scene::{Camera, Scene};
+use taotie_engine::{Error, Progress, Result, Warnings};
 use taotie_io::parse;
 
 /// The settings shared by all images of a renderer.
@@ -25,11 +27,20 @@ use taotie_io::parse;
 #[serde(default, deny_unknown_fields)]
 pub struct Setup {
     pub surface: SurfaceSettings,
-    pub environment: EnvironmentOptions,
+    device: Device,
     /// The time in the animation, in seconds.
     time: Option<f64>,
     /// The animation, by name or number; `None` means the first.
     animation: Option<String>,
+}
+
+/// The parameters of a renderer.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct RendererRequest<'py> {
+    /// [`Setup`].
+    setup: Options,
+    environment: EnvironmentRequest<'py>,
 }
 
 /// A colour as text, or linear RGB.
@@ -67,7 +78,7 @@ struct Film {
 #[serde(default, deny_unknown_fields)]
 pub struct Request {
     pub settings: RenderSettings,
-    pub camera: CameraOptions,
+    pub camera: CameraRequest,
     /// Frames the object for all directions, as on a turntable.
     all_around: bool,
     /// The rotation of the object, in radians.
@@ -115,16 +126,23 @@ pub struct Renderer {
     scene: Arc<Scene>,
     environment: Option<EnvironmentLight>,
     motion: Option<Motion>,
+    machine: Machine,
     warnings: Warnings,
 }
 
 struct State {
     renderer: taotie_engine::render::Renderer,
     /// The last viewpoint, and the options it was chosen for: the images of a turn share it.
-    viewpoint: Option<((CameraOptions, Framing), Viewpoint)>,
+    viewpoint: Option<((CameraRequest, Framing), Viewpoint)>,
 }
 
-/// A rendered image.
+/// A rendered image, and its camera.
+struct Taken {
+    image: Image,
+    camera: Camera,
+}
+
+/// The pixels of an image.
 enum Image {
     /// 8-bit sRGB codes with straight alpha.
     Codes(Vec<[u8; 4]>),
@@ -136,12 +154,17 @@ enum Image {
 impl Renderer {
     /// Prepares a model.
     #[new]
-    fn new(py: Python<'_>, model: &Model, request: Options, running: Running) -> PyResult<Self> {
-        let setup = request.read::<Setup>()?;
+    fn new(py: Python<'_>, model: &Model, request: RendererRequest<'_>, running: Running) -> PyResult<Self> {
+        let (setup, environment) = (request.setup.read::<Setup>()?, request.environment.taken(py)?);
         work::run(py, &running, |progress| {
             progress.begin("prepare")?;
-            Self::prepared(model, &setup)
+            Self::prepared(model, &setup, environment)
         })
+    }
+
+    /// The device that renders: `cpu`, or the name of the GPU.
+    fn device(&self) -> String {
+        self.machine.name()
     }
 
     /// Warnings, with their counts.
@@ -149,7 +172,7 @@ impl Renderer {
         work::listed(&self.warnings)
     }
 
-    /// Renders an image: codes `(height, width, 4)`, or linear light and the requested output variables.
+    /// Renders an image: codes `(height, width, 4)`, or linear light and the output variables; and the camera as JSON.
     fn shoot<'py>(
         &self,
         py: Python<'py>,
@@ -157,8 +180,9 @@ impl Renderer {
         running: Running,
     ) -> PyResult<Bound<'py, PyDict>> {
         let request = request.read::<Request>()?;
-        let image = work::run(py, &running, |progress| self.taken(&request, progress))?;
+        let Taken { image, camera } = work::run(py, &running, |progress| self.taken(&request, progress))?;
         let result = PyDict::new(py);
+        result.set_item("camera", serde_json::to_string(&camera).map_err(no_json)?)?;
         match image {
             Image::Codes(codes) => {
                 let RenderSettings { width, height, .. } = request.settings;
@@ -168,7 +192,11 @@ impl Renderer {
             Image::Linear(frame) => {
                 result.set_item("color", arrays::of_image(py, &frame.color, 4)?)?;
                 for (name, image) in frame.aovs.iter().flat_map(|aovs| aovs.named()) {
-                    result.set_item(name, arrays::of_image(py, image, channels(name))?)?;
+                    let array = match name {
+                        "triangle" => triangles(py, image)?,
+                        _ => arrays::of_image(py, image, channels(name))?,
+                    };
+                    result.set_item(name, array)?;
                 }
             }
         }
@@ -176,19 +204,29 @@ impl Renderer {
     }
 }
 
+/// Returns the triangle of each pixel, `(height, width)`; the largest number if it is empty.
+fn triangles<'py>(py: Python<'py>, image: &taotie_engine::image::Image) -> PyResult<Bound<'py, PyAny>> {
+    let index = |[_, quotient, remainder, seen]: &[f32; 4]| match *seen {
+        0.0 => u32::MAX,
+        _ => ((*quotient as u32) << 16) | *remainder as u32,
+    };
+    let indices = image.pixels().iter().map(index).collect();
+    arrays::array(py, indices, &[image.height() as usize, image.width() as usize])
+}
+
 /// Returns the number of channels of an output variable.
 fn channels(name: &str) -> usize {
     match name {
-        "depth" | "triangle" => 1,
+        "depth" => 1,
         "uv" => 2,
         _ => 3,
     }
 }
 
 impl Renderer {
-    fn prepared(model: &Model, setup: &Setup) -> Result<Self> {
+    fn prepared(model: &Model, setup: &Setup, environment: RequestedEnvironment) -> Result<Self> {
         let mut warnings = Warnings::default();
-        let environment = setup.environment.load_within(&Default::default(), &mut warnings)?;
+        let (machine, environment) = (setup.device.open()?, environment.load(&mut warnings)?);
         let (mut scene, mut surface) = (model.loaded.scene.clone(), setup.surface);
         let motion = match setup.time {
             None => None,
@@ -204,28 +242,53 @@ impl Renderer {
         let renderer = taotie_engine::render::Renderer::new(Arc::clone(&scene), &surface)?;
         warnings.absorb(renderer.prepared().warnings().clone());
         let state = Mutex::new(State { renderer, viewpoint: None });
-        Ok(Self { state, scene, environment, motion, warnings })
+        Ok(Self { state, scene, environment, motion, machine, warnings })
     }
 
-    fn taken(&self, request: &Request, progress: Progress<'_>) -> Result<Image> {
+    fn taken(&self, request: &Request, progress: Progress<'_>) -> Result<Taken> {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         let viewpoint = self.viewpoint(&mut state, request)?;
         let view = viewpoint.at(request.turn);
         let lighting = request.lights()?.lighting(self.environment.as_ref(), &self.scene, view);
-        let shot = Shot { camera: &view.camera(), lighting: &lighting, settings: &request.settings };
-        let (development, progress) = (request.development()?, progress.begin("render")?);
-        let frame = match &request.reference {
-            Some(paths) => reference(state.renderer.prepared(), &shot, paths, progress)?,
-            None if request.linear || request.settings.aovs => state.renderer.render(&shot, progress)?,
-            None => {
-                let mut codes = Vec::new();
-                state.renderer.develop(&shot, &development, &mut codes, progress)?;
-                return Ok(Image::Codes(codes));
+        let camera = view.camera();
+        let shot = Shot { camera: &camera, lighting: &lighting, settings: &request.settings };
+        let image = self.shot(&mut state, (request, &shot), progress.begin("render")?)?;
+        Ok(Taken { image, camera })
+    }
+
+    fn shot(
+        &self,
+        state: &mut State,
+        (request, shot): (&Request, &Shot<'_>),
+        progress: Progress<'_>,
+    ) -> Result<Image> {
+        let (development, renderer) = (request.development()?, &mut state.renderer);
+        let is_linear = request.linear || request.settings.aovs;
+        let gpu = self.machine.gpu(request.settings.aovs || request.reference.is_some());
+        Ok(match (&request.reference, gpu) {
+            (Some(_), Some(_)) => {
+                let why = "the path tracer runs on the CPU; use device='cpu', or integrator='raster'";
+                return Err(Error::unsupported("device gpu", why));
             }
-        };
-        Ok(match request.linear || request.settings.aovs {
-            true => Image::Linear(frame),
-            false => Image::Codes(film::develop8(&frame.color, &development)?),
+            (Some(paths), None) => {
+                let frame = reference(renderer.prepared(), shot, paths, progress)?;
+                match is_linear {
+                    true => Image::Linear(frame),
+                    false => Image::Codes(film::develop8(&frame.color, &development)?),
+                }
+            }
+            (None, None) if is_linear => Image::Linear(renderer.render(shot, progress)?),
+            (None, None) => {
+                let mut codes = Vec::new();
+                renderer.develop(shot, &development, &mut codes, progress)?;
+                Image::Codes(codes)
+            }
+            (None, Some(gpu)) if is_linear => {
+                Image::Linear(gpu.render(renderer.prepared(), shot, progress)?)
+            }
+            (None, Some(gpu)) => {
+                Image::Codes(gpu.develop(renderer.prepared(), (shot, &development), progress)?)
+            }
         })
     }
 
@@ -236,7 +299,8 @@ impl Renderer {
         if let Some((_, kept)) = state.viewpoint.as_ref().filter(|(chosen_by, _)| *chosen_by == key) {
             return Ok(kept.clone());
         }
-        let (camera, framing) = (&key.0, key.1);
+        let framing = key.1;
+        let camera = &key.0.options(&self.scene, framing);
         let viewpoint = match &self.motion {
             None => Viewpoint::choose(camera, framing, &self.scene)?,
             Some(motion) => {

@@ -3,6 +3,7 @@
 //! Each is the library's own, generic over the number type: `f32`, `f64`, or a dual number of either for derivatives.
 
 use crate::arrays::{self, Table};
+use crate::work;
 use numpy::{Element, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -188,12 +189,12 @@ fn of_rows<'py, L: Lane + Element + Default + Sync>(
     let rows: Vec<&[L]> = if columns == 0 { Vec::new() } else { numbers.chunks_exact(columns).collect() };
     let Some(probe) = formula.value(&vec![L::default(); columns.max(1)]) else { return Ok(None) };
     let outputs = probe.numbers().len();
-    let (values, derivatives) = py.detach(|| {
+    let (values, derivatives) = work::detached(py, || {
         let values = rows.par_iter().flat_map_iter(|row| value(formula, row)).collect::<Vec<L>>();
         let derivatives =
             rows.par_iter().flat_map_iter(|row| derivative(formula, row, by)).collect::<Vec<L>>();
-        (values, derivatives)
-    });
+        Ok((values, derivatives))
+    })?;
     let values = arrays::array(py, values, &[count, outputs])?;
     Ok(Some((values, arrays::array(py, derivatives, &[count, outputs, by.len()])?)))
 }

@@ -1,5 +1,6 @@
 //! The page that shows a model in a browser.
 
+use crate::environment::EnvironmentRequest;
 use crate::model::Model;
 use crate::options::Options;
 use crate::renderer::{Request, Setup};
@@ -9,7 +10,7 @@ use pyo3::types::{PyBytes, PyDict};
 use std::path::Path;
 use taotie::asset::model_unit;
 use taotie::studio::{Framing, Viewpoint};
-use taotie_engine::render::{Prepared, SurfaceSettings};
+use taotie_engine::render::{EnvironmentLight, Prepared, SurfaceSettings};
 use taotie_engine::scene::Scene;
 use taotie_engine::{Progress, Result, Warnings};
 use taotie_report::viewer::{self, ScanSubject, Subject};
@@ -17,10 +18,11 @@ use taotie_report::viewer::{self, ScanSubject, Subject};
 /// The parameters of a page.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-pub struct ViewRequest {
+pub struct ViewRequest<'py> {
     title: String,
     /// Settings shared by all images.
     setup: Options,
+    environment: EnvironmentRequest<'py>,
     /// The first image to show; its size is ignored.
     image: Options,
     /// The scan that the model was baked from.
@@ -46,12 +48,19 @@ pub fn viewer_script() -> &'static str {
 impl Viewer {
     /// Makes the page of a model.
     #[new]
-    fn new(py: Python<'_>, model: &Model, request: ViewRequest, running: Running) -> PyResult<Self> {
+    fn new(py: Python<'_>, model: &Model, request: ViewRequest<'_>, running: Running) -> PyResult<Self> {
         let (setup, image) = (request.setup.read::<Setup>()?, request.image.read::<Request>()?);
+        let environment = request.environment.taken(py)?;
         let scan = request.scan.as_ref().map(Py::get);
         let look = Look { title: &request.title, setup: &setup, image: &image };
         let scan = scan.map(|scan| (scan, request.publish_scan));
-        work::run(py, &running, |progress| look.viewer(model, scan, progress.begin("view")?))
+        work::run(py, &running, |progress| {
+            let mut warnings = Warnings::default();
+            let environment = environment.load(&mut warnings)?;
+            let mut made = look.viewer((model, environment.as_ref()), scan, progress.begin("view")?)?;
+            made.warnings.absorb(warnings);
+            Ok(made)
+        })
     }
 
     /// Omissions and changes in the page, with their counts.
@@ -60,14 +69,14 @@ impl Viewer {
     }
 
     /// The page as one self-contained HTML document, which fetches nothing.
-    fn html(&self, py: Python<'_>) -> String {
-        py.detach(|| self.viewer.html())
+    fn html(&self, py: Python<'_>) -> PyResult<String> {
+        work::detached(py, || Ok(self.viewer.html()))
     }
 
     /// The page and the files that it fetches from the same folder, by name.
     fn files<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let files = PyDict::new(py);
-        for file in py.detach(|| self.viewer.files()) {
+        for file in work::detached(py, || Ok(self.viewer.files(None)))? {
             files.set_item(file.name, PyBytes::new(py, &file.bytes))?;
         }
         Ok(files)
@@ -82,9 +91,13 @@ struct Look<'a> {
 }
 
 impl Look<'_> {
-    fn viewer(&self, model: &Model, scan: Option<(&Model, bool)>, progress: Progress<'_>) -> Result<Viewer> {
+    fn viewer(
+        &self,
+        (model, environment): (&Model, Option<&EnvironmentLight>),
+        scan: Option<(&Model, bool)>,
+        progress: Progress<'_>,
+    ) -> Result<Viewer> {
         let mut warnings = Warnings::default();
-        let environment = self.setup.environment.load_within(&Default::default(), &mut warnings)?;
         // Surface attributes are prepared for the best method; the page shows the requested one.
         let best = SurfaceSettings { method: None, ..self.setup.surface };
         let prepared = Prepared::new(model.loaded.scene.clone(), &best)?;
@@ -100,7 +113,8 @@ impl Look<'_> {
             }
         };
         let framing = Framing { size: [1024; 2], all_around: false };
-        let viewpoint = Viewpoint::choose(&self.image.camera, framing, prepared.scene())?;
+        let camera = self.image.camera.options(prepared.scene(), framing);
+        let viewpoint = Viewpoint::choose(&camera, framing, prepared.scene())?;
         let view = viewpoint.at(0.0);
         let viewer = viewer::Viewer::new(&Subject {
             title: self.title,
@@ -110,7 +124,7 @@ impl Look<'_> {
             prepared: &prepared,
             settings: &self.image.settings,
             camera: &view.camera(),
-            lighting: &self.image.lights()?.lighting(environment.as_ref(), prepared.scene(), view),
+            lighting: &self.image.lights()?.lighting(environment, prepared.scene(), view),
             development: &self.image.development()?,
             scan: scan.as_ref().map(ShownScan::subject),
             errors: None,

@@ -2,9 +2,10 @@
 
 use crate::error::exception;
 use pyo3::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 use taotie_engine::{Error, Progress, Result, Warnings};
@@ -96,14 +97,45 @@ impl Running {
 
     /// Does work on the requested number of threads.
     fn in_pool<T: Send>(&self, work: impl FnOnce() -> Result<T> + Send) -> Result<T> {
-        let Some(threads) = self.threads else { return work() };
-        let wrong = |why: &str| Error::invalid(format!("{threads} threads"), why);
+        let Some(threads) = self.threads else { return pool()?.install(work) };
+        let wrong = |why: &str| Error::invalid(format!("threads {threads}"), why);
         if !(1..=1024).contains(&threads) {
             return Err(wrong("use 1 to 1024, or None for all of the machine's"));
         }
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        let pool = ThreadPoolBuilder::new().num_threads(threads).build();
         pool.map_err(|_| wrong("the system cannot start that many; use fewer"))?.install(work)
     }
+}
+
+/// Does short work without the interpreter's lock, on all of the machine's threads.
+///
+/// # Errors
+/// Those of the work; [`Error::Limit`] if the system cannot start the threads.
+pub fn detached<T: Send>(py: Python<'_>, work: impl FnOnce() -> Result<T> + Send) -> PyResult<T> {
+    py.detach(|| pool()?.install(work)).map_err(|error| exception(py, &error))
+}
+
+/// The threads for all work of a process, and the process. A child made by `fork` has none of its parent's threads:
+/// work would wait for them forever, as it would in Rayon's global pool.
+static POOL: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
+
+/// Returns the threads of this process, started on the first call.
+fn pool() -> Result<Arc<ThreadPool>> {
+    let mut kept = POOL.lock().unwrap_or_else(PoisonError::into_inner);
+    let process = std::process::id();
+    if let Some((owner, pool)) = &*kept
+        && *owner == process
+    {
+        return Ok(Arc::clone(pool));
+    }
+    let threads = taotie_io::most_threads().unwrap_or(0);
+    let started = ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| {
+        Error::limit("the number of threads", format!("the system cannot start more ({error}); use fewer"))
+    })?;
+    let pool = Arc::new(started);
+    // The parent's pool is not dropped: its state is that of threads which do not exist here.
+    std::mem::forget(kept.replace((process, Arc::clone(&pool))));
+    Ok(pool)
 }
 
 /// Warnings for Python: each message with its count.

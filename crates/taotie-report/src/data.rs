@@ -100,6 +100,15 @@ pub enum Section {
         /// Plain text.
         paragraphs: Vec<String>,
     },
+    /// Source text, shown with its line breaks.
+    Code {
+        /// Heading.
+        title: String,
+        /// Above the code.
+        note: String,
+        /// The code.
+        code: String,
+    },
     /// A table; clicking a column sorts it.
     Table {
         /// Heading.

@@ -28,7 +28,9 @@ impl Table {
     /// Returns the lines, indented by `indent` spaces and without trailing spaces.
     pub fn lines(&self, indent: usize) -> String {
         let widths: Vec<usize> = (0..self.right.len()).map(|column| self.width(column)).collect();
-        self.rows.iter().map(|row| self.line(row, &widths, indent)).collect()
+        let mut lines = String::new();
+        self.rows.iter().for_each(|row| self.add_line(&mut lines, row, (widths.as_slice(), indent)));
+        lines
     }
 
     /// Like [`Table::lines`], but returns an empty string if there are only titles.
@@ -41,15 +43,25 @@ impl Table {
         cells.max().unwrap_or(0)
     }
 
-    fn line(&self, row: &[String], widths: &[usize], indent: usize) -> String {
-        let cell = |column: usize| {
+    fn add_line(&self, lines: &mut String, row: &[String], (widths, indent): (&[usize], usize)) {
+        lines.extend(std::iter::repeat_n(' ', indent));
+        let start = lines.len();
+        for (column, text) in row.iter().enumerate() {
             // Format widths are limited to 65,535.
-            let text = &row[column];
-            let gap = " ".repeat(widths[column] - text.chars().count());
-            if self.right[column] { format!("{gap}{text}") } else { format!("{text}{gap}") }
-        };
-        let cells: Vec<String> = (0..row.len()).map(cell).collect();
-        format!("{:indent$}{}\n", "", cells.join("  ").trim_end())
+            let gap = std::iter::repeat_n(' ', widths[column] - text.chars().count());
+            if column > 0 {
+                lines.push_str("  ");
+            }
+            if self.right[column] {
+                lines.extend(gap);
+                lines.push_str(text);
+            } else {
+                lines.push_str(text);
+                lines.extend(gap);
+            }
+        }
+        lines.truncate(start + lines[start..].trim_end().len());
+        lines.push('\n');
     }
 }
 

@@ -60,7 +60,7 @@ const fn of_texel(name: &'static str, kind: ValueKind, meaning: &'static str) ->
 }
 
 /// All factors, except for texture transforms.
-const FACTORS: [Factor; 33] = [
+const FACTORS: [Factor; 34] = [
     vector("base_color", "Multiplies the tint, linear RGB in [0, 1].", |s| vec3(uniforms(s).base_color)),
     of_texel("alpha", ValueKind::Number, "Multiplies the opacity, [0, 1]."),
     number("cutoff", "The alpha below which a masked surface is discarded.", |s| vec![cutoff(s.material)]),
@@ -122,6 +122,11 @@ const FACTORS: [Factor; 33] = [
     number("anisotropy_sin", "The sine of the angle from the tangent to the direction of anisotropy.", |s| {
         vec![turn(s.material)[1]]
     }),
+    of_texel(
+        "transmission",
+        ValueKind::Number,
+        "The share of light that passes through a thin surface, [0, 1].",
+    ),
 ];
 
 fn uniforms(surface: &SurfaceFactors<'_>) -> MaterialUniforms<f32> {

@@ -18,6 +18,8 @@ pub struct Variant {
     pub(crate) layers: Layers,
     pub(crate) textures: BTreeMap<TextureRole, Placement>,
     pub(crate) alpha: Alpha,
+    /// Whether light passes through the surface.
+    pub(crate) transmits: bool,
     pub(crate) unlit: bool,
     /// Whether occlusion is the red channel of the metallic-roughness texture.
     pub(crate) packed_occlusion: bool,
@@ -183,6 +185,7 @@ impl Variant {
                 AlphaMode::Mask(_) => Alpha::Mask,
                 AlphaMode::Blend => Alpha::Blend,
             },
+            transmits: material.transmits(),
             unlit: material.unlit,
             packed_occlusion: has_packed_occlusion(material),
             vertex_color: options.vertex_color,
@@ -270,6 +273,8 @@ fn is_read(role: TextureRole, material: &Material, options: &VariantOptions) -> 
         }
         TextureRole::Height => matches!(options.method, SurfaceMethod::Bump | SurfaceMethod::BumpPrinted),
         TextureRole::Occlusion => !has_packed_occlusion(material),
+        TextureRole::Transmission => material.transmits(),
+        TextureRole::Thickness | TextureRole::Iridescence | TextureRole::IridescenceThickness => false,
         _ => true,
     }
 }

@@ -6,10 +6,10 @@ mod example;
 use std::sync::Mutex;
 use taotie::comparison::{Comparison, ComparisonOptions, Method, SamplePoints, Subject};
 use taotie_engine::film::Development;
-use taotie_engine::math::Mat4;
+use taotie_engine::math::{Mat4, Vec3};
 use taotie_engine::mesh::Mesh;
 use taotie_engine::render::RenderSettings;
-use taotie_engine::scene::{Material, Scene};
+use taotie_engine::scene::{Camera, Material, Orbit, Scene};
 use taotie_engine::shade::Shading;
 use taotie_engine::surface::SurfaceMethod;
 use taotie_engine::{Error, Progress};
@@ -59,7 +59,8 @@ fn models_are_measured_against_the_baseline_of_the_same_surface() {
         let models: Vec<Shading> = surface.model_differences.iter().map(|model| model.shading).collect();
         assert_eq!(models, [Shading::Lambert, Shading::Phong]);
         for model in &surface.model_differences {
-            let rmse = taotie_engine::compare::rmse(picture(Shading::Ggx), picture(model.shading)).unwrap();
+            let [expected, found] = [Shading::Ggx, model.shading].map(picture);
+            let rmse = taotie_engine::compare::rmse_within(expected, found, &comparison.covered).unwrap();
             assert!(model.picture.rmse == rmse && rmse > 0.0, "{rmse}");
         }
     }
@@ -69,6 +70,34 @@ fn models_are_measured_against_the_baseline_of_the_same_surface() {
     assert_eq!(names, ["smooth.lambert-ggx.flip.png", "smooth.phong-ggx.flip.png"]);
     let plain = Comparison::of(&Subject::new("ball", &scene), &self::options(), Progress::SILENT).unwrap();
     assert!(plain.surfaces.iter().all(|surface| surface.model_differences.is_empty()));
+}
+
+/// Returns a camera that sees the whole ball.
+fn front() -> Camera {
+    let (target, fov_y) = (Vec3::splat(0.0), 40f64.to_radians());
+    Orbit { azimuth: 0.0, elevation: 0.0, distance: 4.0, target, fov_y }.camera(2.0)
+}
+
+#[test]
+fn the_background_is_in_no_figure_of_pictures() {
+    let scene = ball();
+    let methods = [SurfaceMethod::Facet, SurfaceMethod::Smooth].map(Method::from).to_vec();
+    let figures = |width: u32| {
+        let settings = RenderSettings { width, height: 64, samples: 4, ..RenderSettings::default() };
+        let options =
+            ComparisonOptions { settings, camera: Some(front()), methods: methods.clone(), ..options() };
+        let comparison = Comparison::of(&Subject::new("ball", &scene), &options, Progress::SILENT).unwrap();
+        let covered = comparison.covered.iter().filter(|covered| **covered).count();
+        let figures = comparison.report().methods[1].pictures[0].difference.clone().unwrap();
+        assert_eq!((figures.pixels, figures.flip.unwrap().count), (covered, covered));
+        figures
+    };
+    let (narrow, wide) = (figures(64), figures(192));
+    assert_eq!(narrow.pixels, wide.pixels, "the same ball with more background");
+    let flip = |figures: &taotie::comparison::PictureFigures| figures.flip.unwrap().mean;
+    for (a, b) in [(narrow.rmse, wide.rmse), (narrow.ssim, wide.ssim), (flip(&narrow), flip(&wide))] {
+        assert!((a - b).abs() < 0.01 * a, "{a} with little background, {b} with much");
+    }
 }
 
 #[test]

@@ -105,8 +105,8 @@ impl Collection {
     /// Finds the scans.
     ///
     /// # Errors
-    /// [`Error::Io`] if a folder or a list does not exist; [`Error::Invalid`] if two scans have the same id, or if
-    /// there are none at all.
+    /// [`Error::Io`] if a folder or a list does not exist; [`Error::Invalid`] if the ids of two scans are equal or
+    /// differ only in case, or if there are none at all.
     pub fn scans(&self) -> Result<Found> {
         sources::find(&self.content.source, self.folder(), &self.output())
     }

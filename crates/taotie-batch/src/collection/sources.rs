@@ -1,10 +1,12 @@
 //! The scans of a collection: found in folders, by patterns, and in lists, which are CSV with a header, or one JSON
 //! object per line.
 
-use super::content::Source;
+use super::content::{Override, Source};
 use crate::record::slashed;
+use glob::Pattern;
 use serde::Deserialize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use taotie_engine::{Error, Result, Warnings};
 use taotie_io::read_bytes;
@@ -41,17 +43,29 @@ struct Search<'a> {
     /// The output folder, which is not searched.
     output: Option<PathBuf>,
     found: BTreeMap<String, Scan>,
+    /// The ids in lower case, and as they are.
+    folded: HashMap<String, String>,
     warnings: Warnings,
+}
+
+/// The files below a folder that belong to a source.
+struct Below<'a> {
+    root: &'a Path,
+    /// The number of folder levels to search.
+    depth: usize,
+    /// Decides by the path below the root, with `/` between folders.
+    is_wanted: &'a dyn Fn(&str) -> bool,
 }
 
 /// Finds the scans of all sources.
 ///
 /// # Errors
-/// [`Error::Io`] if a folder or a list does not exist; [`Error::Invalid`] if two scans have the same id, or there are
-/// none.
+/// [`Error::Io`] if a folder or a list does not exist; [`Error::Invalid`] if the ids of two scans are equal or differ
+/// only in case, or there are none.
 pub fn find(sources: &[Spanned<Source>], folder: &Path, output: &Path) -> Result<Found> {
     let output = output.canonicalize().ok();
-    let mut search = Search { folder, output, found: BTreeMap::new(), warnings: Warnings::default() };
+    let (found, folded) = (BTreeMap::new(), HashMap::new());
+    let mut search = Search { folder, output, found, folded, warnings: Warnings::default() };
     for source in sources {
         search.read(source.get_ref())?;
     }
@@ -67,7 +81,8 @@ pub fn find(sources: &[Spanned<Source>], folder: &Path, output: &Path) -> Result
 impl Search<'_> {
     fn read(&mut self, source: &Source) -> Result<()> {
         if let Some(folder) = &source.folder {
-            self.read_folder(&self.folder.join(folder))?;
+            let root = self.folder.join(folder);
+            self.read_below(Below { root: &root, depth: usize::MAX, is_wanted: &|_| true })?;
         }
         if let Some(pattern) = &source.glob {
             self.read_glob(pattern)?;
@@ -80,31 +95,66 @@ impl Search<'_> {
         Ok(())
     }
 
-    /// Adds every model in a folder, at any depth; ids are relative to it.
-    fn read_folder(&mut self, folder: &Path) -> Result<()> {
-        for entry in WalkDir::new(folder).follow_links(true).sort_by_file_name() {
-            let entry = entry.map_err(|error| not_walked(folder, error))?;
-            if entry.file_type().is_file() && is_model(entry.path()) && !self.is_own(entry.path()) {
-                let id = slashed(entry.path().strip_prefix(folder).unwrap_or(entry.path()));
-                self.add(Scan { id, path: entry.into_path(), title: None })?;
+    /// Adds every model below a folder; ids are relative to it. Links that lead nowhere are scans that cannot be read if
+    /// they have a model's name; anything else that cannot be read is skipped with a warning.
+    fn read_below(&mut self, Below { root, depth, is_wanted }: Below<'_>) -> Result<()> {
+        let output = self.output.clone();
+        let is_own = |path: &Path| is_inside(output.as_deref(), path);
+        let walk = WalkDir::new(root).max_depth(depth).follow_links(true).sort_by_file_name();
+        let entries =
+            walk.into_iter().filter_entry(|entry| !(entry.file_type().is_dir() && is_own(entry.path())));
+        for entry in entries {
+            let path = match entry {
+                Ok(entry) if entry.file_type().is_file() => entry.into_path(),
+                Ok(_) => continue,
+                Err(error) if error.depth() == 0 => return Err(not_walked(root, error)),
+                Err(error) => match self.broken_link(error) {
+                    Some(path) => path,
+                    None => continue,
+                },
+            };
+            let id = slashed(path.strip_prefix(root).unwrap_or(&path));
+            if is_model(&path) && is_wanted(&id) && !is_own(&path) {
+                self.add(Scan { id, path, title: None })?;
             }
         }
         Ok(())
     }
 
-    /// Adds every file that matches a pattern; ids are relative to the part of it without wildcards.
-    fn read_glob(&mut self, pattern: &str) -> Result<()> {
-        let whole = self.folder.join(pattern);
-        let fixed: PathBuf = whole.components().take_while(|part| !has_wildcard(part.as_os_str())).collect();
-        let root = if fixed.is_file() { fixed.parent().unwrap_or(Path::new("")) } else { &fixed };
-        let wrong = |error: glob::PatternError| Error::invalid(format!("glob {pattern}"), error.to_string());
-        let paths = glob::glob(&whole.to_string_lossy()).map_err(wrong)?;
-        for path in paths {
-            let path = path.map_err(|error| Error::Io { path: error.path().into(), cause: error.into() })?;
-            if path.is_file() && is_model(&path) && !self.is_own(&path) {
-                let id = slashed(path.strip_prefix(root).unwrap_or(&path));
-                self.add(Scan { id, path, title: None })?;
+    /// Returns the link that could not be followed, if it has a model's name; notes any other error as a warning.
+    fn broken_link(&mut self, error: walkdir::Error) -> Option<PathBuf> {
+        let path = error.path()?.to_path_buf();
+        if error.loop_ancestor().is_none() && is_model(&path) && path.is_symlink() {
+            return Some(path);
+        }
+        let shown = path.strip_prefix(self.folder).unwrap_or(&path);
+        let why = match (error.loop_ancestor(), error.io_error()) {
+            (Some(_), _) => "the link leads back to a folder above it".into(),
+            (_, Some(cause)) if cause.kind() == ErrorKind::NotFound => {
+                "the link's target does not exist".into()
             }
+            (_, cause) => cause.map_or_else(|| "it cannot be read".into(), ToString::to_string),
+        };
+        self.warnings.note(format!("skipped {}: {why}", shown.display()), 1);
+        None
+    }
+
+    /// Adds every model that matches a pattern; ids are relative to the part of it without wildcards.
+    fn read_glob(&mut self, pattern: &str) -> Result<()> {
+        let mut fixed: Vec<_> = Path::new(pattern).components().collect();
+        let wild = fixed.iter().position(|part| has_wildcard(part.as_os_str()));
+        let rest: PathBuf = fixed.split_off(wild.unwrap_or(fixed.len().saturating_sub(1))).iter().collect();
+        let root = self.folder.join(fixed.iter().collect::<PathBuf>());
+        let wrong = |error: glob::PatternError| Error::invalid(format!("glob {pattern}"), error.to_string());
+        let wanted = Pattern::new(&slashed(&rest)).map_err(wrong)?;
+        let is_deep = rest.components().any(|part| part.as_os_str() == "**");
+        let depth = if is_deep { usize::MAX } else { rest.components().count() };
+        let before = self.found.len();
+        if root.is_dir() {
+            self.read_below(Below { root: &root, depth, is_wanted: &|id| Override::covers(&wanted, id) })?;
+        }
+        if self.found.len() == before {
+            self.warnings.note(format!("glob `{pattern}` adds no scan"), 1);
         }
         Ok(())
     }
@@ -115,6 +165,13 @@ impl Search<'_> {
         }
         if scan.id.split('/').any(|part| matches!(part, "" | "." | "..")) || scan.id.contains('\\') {
             return Err(Error::invalid(format!("the id `{}`", scan.id), "use names separated by /"));
+        }
+        let other = self.folded.insert(scan.id.to_lowercase(), scan.id.clone());
+        if let Some(other) = other.filter(|other| *other != scan.id) {
+            return Err(Error::invalid(
+                format!("the ids `{other}` and `{}`", scan.id),
+                "differ only in case, which many file systems ignore; rename one, or set ids in a list",
+            ));
         }
         let path = scan.path.clone();
         match self.found.insert(scan.id.clone(), scan) {
@@ -129,18 +186,16 @@ impl Search<'_> {
             _ => Ok(()),
         }
     }
+}
 
-    /// Returns true if a file is in our output folder.
-    fn is_own(&self, path: &Path) -> bool {
-        let inside = |output: &PathBuf| path.canonicalize().is_ok_and(|path| path.starts_with(output));
-        self.output.as_ref().is_some_and(inside)
-    }
+/// Returns true if a path is in the output folder, or is that folder.
+fn is_inside(output: Option<&Path>, path: &Path) -> bool {
+    output.is_some_and(|output| path.canonicalize().is_ok_and(|path| path.starts_with(output)))
 }
 
 fn not_walked(folder: &Path, error: walkdir::Error) -> Error {
-    let path = error.path().unwrap_or(folder).to_path_buf();
     let cause = error.into_io_error();
-    Error::io(path, cause.unwrap_or_else(|| std::io::Error::other("folder links form a loop")))
+    Error::io(folder, cause.unwrap_or_else(|| std::io::Error::other("folder links form a loop")))
 }
 
 fn is_model(path: &Path) -> bool {

@@ -32,6 +32,8 @@ pub enum Event<'a> {
         /// Assets already known.
         known: usize,
     },
+    /// An asset is not done, and stays so: the record of an earlier attempt.
+    Kept(&'a Record),
     /// An attempt has ended.
     Ended(&'a Record),
     /// The work is in progress.
@@ -79,9 +81,11 @@ pub fn drive(
     let ids = plan.ids.clone();
     let mut driver = Driver::new(collection, options, worker, books);
     driver.all = plan.todo.iter().map(Todo::cost).sum();
-    let judged = plan.judged;
-    hear(Event::Planned { todo: plan.todo.len() + judged.len(), known: plan.known });
-    for record in judged {
+    hear(Event::Planned { todo: plan.todo.len() + plan.settled.len(), known: plan.known });
+    for record in &plan.kept {
+        hear(Event::Kept(record));
+    }
+    for record in plan.settled {
         driver.add(record, hear)?;
     }
     driver.queue = plan.todo.into();

@@ -7,10 +7,11 @@ use crate::record::{InputFile, Record, SCHEMA, State};
 use crate::settings::Settings;
 use crate::store::{AssetObject, Store, VERSION, hash_of};
 use std::collections::BTreeMap;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use taotie::Bytes;
-use taotie_engine::{Result, Warnings};
+use taotie_engine::{Error, Result, Warnings};
 
 /// How to run the work on a collection. `None` means: as the collection's file states.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -56,8 +57,11 @@ impl Todo {
 pub struct Plan {
     /// Assets to be made, the largest first.
     pub todo: Vec<Todo>,
-    /// Existing assets to be judged again, since their requirements or the record version have changed.
-    pub judged: Vec<Record>,
+    /// New records that need no process: of existing assets whose requirements or record version have changed, and of
+    /// files that cannot be opened.
+    pub settled: Vec<Record>,
+    /// The records that stay as they are, of assets that are not done.
+    pub kept: Vec<Record>,
     /// The number of assets that stay as they are.
     pub known: usize,
     /// All assets of the shard.
@@ -65,10 +69,10 @@ pub struct Plan {
 }
 
 /// The action due for one asset.
-enum Due {
+enum Due<'a> {
     Making(Box<Todo>),
-    Judging(Box<Record>),
-    Nothing,
+    Recording(Box<Record>),
+    Nothing(&'a Record),
 }
 
 impl Plan {
@@ -82,19 +86,27 @@ impl Plan {
         books: &Books,
         options: &DriveOptions,
     ) -> Result<Self> {
-        let mut plan = Self { todo: Vec::new(), judged: Vec::new(), known: 0, ids: Vec::new() };
+        let mut plan =
+            Self { todo: Vec::new(), settled: Vec::new(), kept: Vec::new(), known: 0, ids: Vec::new() };
         let is_ours = |scan: &&Scan| options.shard.is_none_or(|shard| shard.covers(&scan.id));
         for scan in scans.iter().filter(is_ours) {
             plan.ids.push(scan.id.clone());
             let todo = todo(collection, scan)?;
             match due(todo, (collection.folder(), books), options.retry_failed) {
                 Due::Making(todo) => plan.todo.push(*todo),
-                Due::Judging(record) => plan.judged.push(*record),
-                Due::Nothing => plan.known += 1,
+                Due::Recording(record) => plan.settled.push(*record),
+                Due::Nothing(record) => plan.keep(record),
             }
         }
         plan.todo.sort_by_key(|todo| std::cmp::Reverse(todo.bytes));
         Ok(plan)
+    }
+
+    fn keep(&mut self, record: &Record) {
+        self.known += 1;
+        if record.state != State::Done {
+            self.kept.push(record.clone());
+        }
     }
 }
 
@@ -102,34 +114,57 @@ fn todo(collection: &Collection, scan: &Scan) -> Result<Todo> {
     let settings = collection.settings(&scan.id)?;
     let Settings { asset, thumbnail, turntable, viewer, .. } = &settings;
     let settings_hash = hash_of(&(asset.with_names(), thumbnail, turntable, viewer));
-    let known = InputFile::stat(&collection.folder().join(&scan.path)).ok();
+    let is_text = scan.path.to_str().is_some();
+    let known = InputFile::stat(&collection.folder().join(&scan.path)).ok().filter(|_| is_text);
     let input: Vec<_> = known.map(|file| InputFile { path: scan.path.clone(), ..file }).into_iter().collect();
     let bytes = input.iter().map(|file| file.bytes).sum();
     Ok(Todo { scan: scan.clone(), settings, settings_hash, input, bytes })
 }
 
-fn due(todo: Todo, (folder, books): (&Path, &Books), retry: bool) -> Due {
+fn due<'a>(todo: Todo, (folder, books): (&Path, &'a Books), retry: bool) -> Due<'a> {
+    let last = books.history.last.get(&todo.scan.id);
+    if todo.input.is_empty() {
+        let outcome = Outcome::failed(unreadable(folder, &todo.scan).to_string());
+        let is_known = |last: &&Record| last.state == outcome.state && last.error == outcome.error;
+        return match last.filter(is_known) {
+            Some(last) => Due::Nothing(last),
+            None => Due::Recording(Box::new(books.record(todo, outcome, Took::default()))),
+        };
+    }
     let is_same = |last: &&Record| {
         (&last.settings, last.version.as_str()) == (&todo.settings_hash, VERSION)
             && last.input.first().map(|file| &file.path) == Some(&todo.scan.path)
             && last.has_same_input(folder)
     };
-    let last = books.history.last.get(&todo.scan.id).filter(is_same);
-    let Some(last) = last else { return Due::Making(Box::new(todo)) };
+    let Some(last) = last.filter(is_same) else { return Due::Making(Box::new(todo)) };
     if !last.state.is_made() {
-        return if retry { Due::Making(Box::new(todo)) } else { Due::Nothing };
+        return if retry { Due::Making(Box::new(todo)) } else { Due::Nothing(last) };
     }
     if !last.parts.iter().all(|part| books.store.holds(part)) {
         return Due::Making(Box::new(todo));
     }
     if last.is_current() && last.require == todo.settings.require && last.title == todo.scan.title {
-        return Due::Nothing;
+        return Due::Nothing(last);
     }
     let object = last.part("asset").and_then(|part| books.store.object::<AssetObject>(&part.address));
     match object {
-        Some(object) => Due::Judging(Box::new(judged(last, &todo, &object))),
+        Some(object) => Due::Recording(Box::new(judged(last, &todo, &object))),
         None => Due::Making(Box::new(todo)),
     }
+}
+
+/// Returns the reason why a scan's file cannot be opened.
+fn unreadable(folder: &Path, scan: &Scan) -> Error {
+    if scan.path.to_str().is_none() {
+        return Error::invalid(&scan.id, "its path is not UTF-8; rename the file or its folder");
+    }
+    let path = folder.join(&scan.path);
+    let cause = std::fs::metadata(&path).err().unwrap_or_else(|| ErrorKind::Other.into());
+    if cause.kind() == ErrorKind::NotFound && path.is_symlink() {
+        let link = format!("the link {}", scan.path.display());
+        return Error::invalid(link, "its target does not exist; restore the target, or remove the link");
+    }
+    Error::io(&scan.path, cause)
 }
 
 /// Returns the record of an asset that is judged again: its requirements, its title or the record version have

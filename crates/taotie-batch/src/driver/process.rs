@@ -61,9 +61,10 @@ impl Start<'_> {
     /// Starts a process and sends it its job.
     ///
     /// # Errors
-    /// System errors.
+    /// System errors, and paths that are not UTF-8.
     pub fn process(self, job: &Job, heard: &Sender<Heard>) -> io::Result<Process> {
         let Self { worker, folder, number } = self;
+        let job = line_of(job)?;
         let mut command = Command::new(&worker.program);
         command.args(&worker.arguments).current_dir(folder);
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
@@ -80,7 +81,7 @@ impl Start<'_> {
             stderr.map(|stderr| thread::Builder::new().spawn(move || tail(stderr))).transpose()?;
         let mut process = Process { number, child, stdin, complaints };
         // If it has already ended, its closed stdout reports that.
-        let _ = process.send(job);
+        let _ = process.send(&job);
         Ok(process)
     }
 }
@@ -89,14 +90,12 @@ impl Process {
     /// Lets it begin baking.
     pub fn go(&mut self, threads: usize) {
         // If it has ended, its closed stdout reports that.
-        let _ = self.send(&Go { threads });
+        let _ = line_of(&Go { threads }).and_then(|line| self.send(&line));
     }
 
-    fn send(&mut self, what: &impl Serialize) -> io::Result<()> {
+    fn send(&mut self, line: &[u8]) -> io::Result<()> {
         let Some(stdin) = &mut self.stdin else { return Ok(()) };
-        let mut line = serde_json::to_vec(what)?;
-        line.push(b'\n');
-        stdin.write_all(&line).and_then(|()| stdin.flush())
+        stdin.write_all(line).and_then(|()| stdin.flush())
     }
 
     /// Returns its process id.
@@ -137,6 +136,16 @@ impl Process {
     }
 }
 
+/// Returns a value as a line of JSON.
+///
+/// # Errors
+/// Paths that are not UTF-8.
+fn line_of(what: &impl Serialize) -> io::Result<Vec<u8>> {
+    let mut line = serde_json::to_vec(what)?;
+    line.push(b'\n');
+    Ok(line)
+}
+
 /// Forwards a process's messages until it closes its stdout. Malformed lines are skipped.
 fn listen(stdout: ChildStdout, number: u64, heard: &Sender<Heard>) {
     let lines = BufReader::new(stdout).split(b'\n').map_while(std::result::Result::ok);
@@ -173,7 +182,8 @@ pub fn remake(
     let root = collection.output();
     let place = tempfile::Builder::new().prefix(".taotie-proof-").tempdir_in(&root);
     let place = place.map_err(|e| Error::io(&root, e))?;
-    let output = place.path().canonicalize().map_err(|e| Error::io(place.path(), e))?;
+    // Relative, since the folder of the collection may have a name that is not UTF-8, which JSON does not hold.
+    let output = collection.relative_output().join(place.path().file_name().unwrap_or_default());
     let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let scan = record.input.first().map(|file| file.path.clone()).unwrap_or_default();
     let job = Job {

@@ -3,7 +3,7 @@
 use super::Summary;
 use super::plan::{Books, DriveOptions, Plan, Todo, Took};
 use super::process::nonempty;
-use super::running::{failed, memory_to_read};
+use super::running::memory_to_read;
 use crate::collection::Collection;
 use crate::job::{Job, Outcome};
 use crate::record::Record;
@@ -19,6 +19,8 @@ pub struct Remote {
     todo: BTreeMap<String, Todo>,
     /// The jobs to be done, largest first.
     pub planned: Vec<Planned>,
+    /// The records that stay as they are, of assets that are not done.
+    pub kept: Vec<Record>,
     summary: Summary,
     ids: Vec<String>,
 }
@@ -59,7 +61,7 @@ impl Remote {
         let mut books = Books::open(collection.output(), options.shard)?;
         let plan = Plan::of(collection, &found.scans, &books, options)?;
         let mut summary = Summary { known: plan.known, warnings: found.warnings, ..Summary::default() };
-        for record in &plan.judged {
+        for record in &plan.settled {
             books.add(record)?;
             summary.attempts += 1;
         }
@@ -82,7 +84,7 @@ impl Remote {
         };
         let planned = plan.todo.iter().map(planned).collect();
         let todo = plan.todo.into_iter().map(|todo| (todo.scan.id.clone(), todo)).collect();
-        Ok(Self { books, todo, planned, summary, ids: plan.ids })
+        Ok(Self { books, todo, planned, kept: plan.kept, summary, ids: plan.ids })
     }
 
     /// Records the outcome of a job; returns the record.
@@ -93,7 +95,7 @@ impl Remote {
         let Told { id, outcome, error, seconds, forecast } = report;
         let todo = self.todo.remove(&id);
         let todo = todo.ok_or_else(|| Error::invalid(id, "not a pending job"))?;
-        let lost = || failed(error.unwrap_or_else(|| "its process ended without a result".into()));
+        let lost = || Outcome::failed(error.unwrap_or_else(|| "its process ended without a result".into()));
         let outcome = outcome.unwrap_or_else(lost);
         let record = self.books.record(todo, outcome, Took { seconds, forecast });
         self.books.add(&record)?;

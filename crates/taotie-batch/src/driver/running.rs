@@ -3,7 +3,6 @@
 use super::plan::Todo;
 use super::process::Process;
 use crate::job::{Message, Outcome, peak_of};
-use crate::record::State;
 use std::process::ExitStatus;
 use std::time::{Duration, Instant};
 use taotie::Bytes;
@@ -148,30 +147,15 @@ pub fn outcome(ended: &mut Running) -> Outcome {
     let peak = ended.peak;
     let outcome = match (waited, ended.outcome.take()) {
         (Ok((status, _)), Some(outcome)) if status.success() => outcome,
-        (Ok((status, said)), _) => failed(sentence(ended, status, &said)),
-        (Err(error), _) => failed(format!("lost its process: {error}")),
+        (Ok((status, said)), _) => Outcome::failed(sentence(ended, status, &said)),
+        (Err(error), _) => Outcome::failed(format!("lost its process: {error}")),
     };
     Outcome { peak_bytes: outcome.peak_bytes.max(peak), ..outcome }
 }
 
 /// Returns the outcome of a job whose process could not be started.
 pub fn without_process(error: &std::io::Error, todo: &Todo) -> Outcome {
-    failed(format!("{}: could not start its process: {error}", todo.scan.id))
-}
-
-/// Returns the outcome of a job that did not finish.
-pub fn failed(error: String) -> Outcome {
-    Outcome {
-        state: State::Failed,
-        error: Some(error),
-        input: Vec::new(),
-        stages: Vec::new(),
-        figures: None,
-        required: Vec::new(),
-        warnings: Vec::new(),
-        parts: Vec::new(),
-        peak_bytes: None,
-    }
+    Outcome::failed(format!("{}: could not start its process: {error}", todo.scan.id))
 }
 
 /// Describes how a process ended before its job was done.

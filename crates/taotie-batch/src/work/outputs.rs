@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 use taotie::asset::{Baker, Certificate, Proof, Report, ScanFile, Signature, WrittenAsset};
 use taotie::studio::{self, MaterialOptions};
 use taotie::{Bytes, Limits, Picture, Progress, RenderSettings, Result, Scene};
-use taotie_engine::image::Texels;
-use taotie_io::{AnimatedImage, AnimationFormat, AnimationSpec, FileSet};
+use taotie_engine::image::{Encoding, Texels};
+use taotie_io::{AnimatedImage, AnimationFormat, AnimationSpec, FileSet, ImageCodec, LossyTexture};
 use taotie_report::bake_page;
 use taotie_report::viewer::AssetSubject;
 
@@ -117,7 +117,10 @@ fn named(files: &[PathBuf]) -> Vec<(String, PathBuf)> {
     files.iter().map(|path| (name(path), path.clone())).collect()
 }
 
-/// Writes a picture of a model as lossless WebP.
+/// The quality of thumbnails. Measured at 256²: 5 ms and 2.4 kB; lossless, 44 ms and 15 kB.
+const THUMBNAIL: ImageCodec = ImageCodec::LossyWebP(90);
+
+/// Writes a picture of a model as lossy WebP.
 ///
 /// # Errors
 /// Read and write errors.
@@ -128,7 +131,7 @@ pub fn thumbnail(
     work: &Work<'_>,
 ) -> Result<()> {
     let bitmap = picture(size).take(load(model, work)?)?;
-    files.write_bytes(path, &taotie_io::encode_webp_bitmap(&bitmap)?)
+    files.write_bytes(path, &LossyTexture::new(bitmap, Encoding::Srgb).encoded(size, THUMBNAIL)?)
 }
 
 /// Writes one turn of a model as an animated PNG.

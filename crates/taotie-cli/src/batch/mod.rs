@@ -223,6 +223,7 @@ pub fn keep(args: &BatchArgs) -> Result<Outcome> {
         console::result(&serde_json::to_string(planned)?)?;
     }
     console::result("")?;
+    remote.kept.iter().for_each(say_record);
     for line in io::stdin().lock().lines() {
         let ended: Told = serde_json::from_str(&line?).context("stdin: expected the end of a job")?;
         let record = remote.add(ended)?;
@@ -257,7 +258,7 @@ impl Listener {
                 console::say(&format!("taotie: {todo} assets to do, {known} from earlier runs"));
                 self.bar = (todo > 0).then(|| Bar::new(format!("{todo} assets")));
             }
-            Event::Ended(record) => say_record(record),
+            Event::Kept(record) | Event::Ended(record) => say_record(record),
             Event::Running { fraction, left, .. } => {
                 if let Some(bar) = &self.bar {
                     bar.show_all(fraction, left);

@@ -194,6 +194,7 @@ fn text(report: &Document) -> String {
             &format!("{gap}Pictures of each surface compared with its picture under {}\n", model.baseline);
         text += &models(report).lines(0);
     }
+    text += "Pictures are compared over the pixels that show either surface, not the background\n";
     if !report.skipped.is_empty() || !report.notes.is_empty() {
         text += "\n";
     }

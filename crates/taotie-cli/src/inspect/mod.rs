@@ -5,7 +5,7 @@
 mod report;
 mod words;
 
-use crate::running::LimitArgs;
+use crate::running::{LimitArgs, in_pool};
 use crate::{Outcome, console};
 use anyhow::Result;
 use clap::Args;
@@ -17,7 +17,7 @@ use taotie::{Bytes, Limits};
 use taotie_engine::names::Named;
 use taotie_engine::render::{framing_bytes, scene_bytes};
 use taotie_engine::scene::Scene;
-use taotie_io::{GltfSizes, GltfSource, Loaded};
+use taotie_io::Loaded;
 use taotie_report::table::Table;
 use words::clean;
 
@@ -55,20 +55,18 @@ pub struct InspectArgs {
 
 /// Runs the subcommand.
 pub fn run(args: &InspectArgs) -> Result<Outcome> {
-    match &args.audit {
+    in_pool(None, || match &args.audit {
         Some(schema) => audit(args, schema),
         None => inspect(args).map(|()| Outcome::Fine),
-    }
+    })?
 }
 
 fn inspect(args: &InspectArgs) -> Result<()> {
     let limits = args.limits.limits();
-    let loaded = taotie_io::load_model_within(&args.model, &limits)?;
+    let (loaded, sizes) = taotie_io::load_model_and_sizes(&args.model, &limits)?;
     limits.check(args.model.display().to_string(), Bytes(need(&loaded.scene)))?;
     let mut inspection = Inspection::of(&loaded);
-    if loaded.structure.is_some() {
-        inspection.sizes = Some(GltfSizes::read(GltfSource::File(&args.model), &limits)?);
-    }
+    inspection.sizes = sizes;
     let report = Report::new(&args.model, inspection);
     match args.json {
         true => console::result(&serde_json::to_string_pretty(&report)?),

@@ -1,6 +1,7 @@
 //! The report on a model, printed as JSON, or as text in sections of aligned lines.
 
 use super::words::{self, clean, number, numbers, percent, short, thousands, yes_or_no};
+use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -56,7 +57,7 @@ pub fn text(printed: &Report) -> String {
         ("Meshes", meshes(&report.meshes)),
         ("Uv sets", uv_sets(&report.meshes)),
         ("Tangents of the file", tangents(&report.meshes)),
-        ("Materials", report.materials.iter().enumerate().map(|(i, m)| material(i, m)).collect()),
+        ("Materials", materials(&report.materials)),
         ("Lights", named(&report.lights)),
         ("Cameras", named(&report.cameras)),
         ("Animations", animations(&report.animations)),
@@ -225,6 +226,10 @@ fn agreement(health: &TangentHealth) -> String {
         agreement.max_degrees,
         thousands(agreement.other_handedness)
     )
+}
+
+fn materials(materials: &[MaterialReport]) -> String {
+    materials.par_iter().enumerate().map(|(index, one)| material(index, one)).collect()
 }
 
 fn material(index: usize, material: &MaterialReport) -> String {

@@ -25,6 +25,9 @@ pub fn short(name: &str) -> String {
 
 /// Returns at most `most` characters, without those that could control the terminal.
 fn cut(text: &str, most: usize) -> String {
+    if text.len() <= most && text.bytes().all(|byte| (b' '..=b'~').contains(&byte)) {
+        return text.to_owned();
+    }
     match text.char_indices().nth(most) {
         Some(_) => console::plain(&text.chars().take(most - 1).chain(['…']).collect::<String>()),
         None => console::plain(text),
@@ -127,6 +130,7 @@ pub fn layers(material: &MaterialReport) -> Vec<String> {
 /// Returns an optional layer in one text, or the factors of another that differ from the default.
 fn differences(layer: &Layer, report: &LayerReport) -> Vec<String> {
     match report.values.split_first() {
+        None => Vec::new(),
         Some(((_, first), others)) if layer.is_optional() => {
             let others: String = others.iter().map(|(name, value)| further(name, *value)).collect();
             vec![format!("{} {}{others}", layer.name, text(*first))]
@@ -146,7 +150,7 @@ fn further(name: &str, value: Option<FactorValue>) -> String {
         None => String::new(),
         Some(FactorValue::Angle(_)) => format!(" at {}", text(value)),
         Some(_) if name == "normal_scale" => format!(" and normal map scale {}", text(value)),
-        Some(_) => format!(" with {name} {}", text(value)),
+        Some(_) => format!(" with {} {}", name.replace('_', " "), text(value)),
     }
 }
 

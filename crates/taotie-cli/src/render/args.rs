@@ -62,7 +62,7 @@ pub struct RenderArgs {
     #[arg(long, value_parser = ["8", "16"], help_heading = "Picture")]
     pub bits: Option<String>,
     /// Also write output variables (AOVs), unfiltered, as OUT.NAME.exr and OUT.NAME.png, separated by commas:
-    /// normals, depth, albedo, uv, triangle
+    /// normals, depth, albedo, uv, triangle, position
     #[arg(long = "aov", value_name = "LIST", value_delimiter = ',', value_parser = options::word, help_heading = "Picture")]
     pub aovs: Vec<String>,
 
@@ -263,11 +263,17 @@ pub enum Device {
     /// GPU, or a software implementation such as Mesa's lavapipe: nearly the same image, whose last digits depend on
     /// card and driver
     Gpu,
-    /// GPU if there is one, otherwise CPU, which also renders for --aov and --integrator reference
+    /// GPU if there is one, otherwise CPU, which also renders for --aov and --integrator reference, and instead of
+    /// software GPUs, since it is faster
     Auto,
 }
 
 impl Device {
+    /// Returns its name on the command line.
+    pub fn name(self) -> Option<String> {
+        self.to_possible_value().map(|value| value.get_name().to_owned())
+    }
+
     /// Rejects options that a GPU does not support.
     fn check(self, integrator: &IntegratorArgs, aovs: &[String]) -> Result<()> {
         if self != Self::Gpu {

@@ -114,7 +114,7 @@ impl Report {
             "times": self.times,
             "size": args.size,
             "integrator": args.integrator.json(),
-            "device": self.machine.json(args.settings().shadows),
+            "device": self.machine.json(args),
             "samples": args.integrator.reference().is_none().then(|| args.film.samples()),
             "shading": args.surface.shading.name(),
             "surface": args.surface.method.map(|s| s.name()),

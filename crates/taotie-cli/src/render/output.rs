@@ -74,12 +74,14 @@ pub fn write(set: &FileSet, args: &RenderArgs, path: &Path, frame: &Frame) -> Re
 /// Maps an output variable to [0, 1] for its PNG preview.
 fn to_look_at(name: &str, image: &Image) -> Image {
     let mut picture = image.clone();
-    let (near, far) = range(image);
+    let ranges = [0, 1, 2].map(|channel| range(image, channel));
+    let share = |v: f32, (least, most): (f32, f32)| (v - least) / (most - least).max(f32::MIN_POSITIVE);
     for pixel in picture.pixels_mut().iter_mut().filter(|pixel| pixel[3] != 0.0) {
         let [x, y, z, a] = *pixel;
         let encoded = match name {
             "normals" => [x, y, z].map(|v| v * 0.5 + 0.5),
-            "depth" => [1.0 - 0.9 * (x - near) / (far - near).max(f32::MIN_POSITIVE); 3],
+            "depth" => [1.0 - 0.9 * share(x, ranges[0]); 3],
+            "position" => [share(x, ranges[0]), share(y, ranges[1]), share(z, ranges[2])],
             "uv" => [x - x.floor(), y - y.floor(), 0.0],
             "triangle" => false_color(x as u32),
             _ => continue,
@@ -91,9 +93,9 @@ fn to_look_at(name: &str, image: &Image) -> Image {
     picture
 }
 
-/// Returns the minimum and maximum of the first channel over covered pixels.
-fn range(image: &Image) -> (f32, f32) {
-    let seen = image.pixels().iter().filter(|pixel| pixel[3] != 0.0).map(|pixel| pixel[0]);
+/// Returns the minimum and maximum of a channel over covered pixels.
+fn range(image: &Image, channel: usize) -> (f32, f32) {
+    let seen = image.pixels().iter().filter(|pixel| pixel[3] != 0.0).map(|pixel| pixel[channel]);
     seen.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
 }
 

@@ -159,6 +159,7 @@ fn of_material(factors: &SurfaceFactors<'_>, interface: &Interface) -> SurfaceVa
         instances: Vec::new(),
         double_sided: material.double_sided,
         alpha: match material.alpha {
+            _ if material.is_blended() => "blend",
             AlphaMode::Opaque => "opaque",
             AlphaMode::Mask(_) => "mask",
             AlphaMode::Blend => "blend",

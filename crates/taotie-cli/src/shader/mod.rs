@@ -8,6 +8,7 @@ mod subject;
 
 pub use args::ShaderArgs;
 
+use crate::running::in_pool;
 use crate::{console, stop};
 use anyhow::{Context, Result};
 use args::Target;
@@ -40,7 +41,7 @@ pub fn run(args: &ShaderArgs) -> Result<()> {
     let files = stop::files();
     files.protect(args.sources())?;
     files.claim_folder(&args.output)?;
-    let bundle = Bundle::new(args, &files)?;
+    let bundle = in_pool(None, || Bundle::new(args, &files))??;
     for NamedFile { name, bytes } in &bundle.files {
         files.write_bytes(&args.output.join(name), bytes)?;
     }

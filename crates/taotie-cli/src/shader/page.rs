@@ -4,6 +4,7 @@ use super::args::{ShaderArgs, Target};
 use super::description::{Description, SurfaceValues};
 use super::files::TABLES;
 use taotie_engine::names::Named;
+use taotie_engine::scene::TextureRole;
 use taotie_report::{Cell, Column, Fact, Page, Section};
 use taotie_shader::{BufferSlot, TextureSlot, UniformField, ValueKind};
 
@@ -14,11 +15,12 @@ const MOST_COLUMNS: usize = 8;
 pub fn page(args: &ShaderArgs, shaders: &[Description], files: &[&str]) -> Page {
     let model = args.model.as_ref().and_then(|path| path.file_name());
     let title = model.map_or("A plain material".into(), |name| name.to_string_lossy());
-    let mut sections = vec![
-        Section::Text { title: "How to bind them".into(), paragraphs: how(args.target) },
-        Section::Text { title: "Inputs and outputs".into(), paragraphs: owned(&CONTRACT) },
-        file_table(files),
-    ];
+    let mut sections = vec![Section::Text { title: "How to bind them".into(), paragraphs: how(args.target) }];
+    if args.target == Target::GlslEs {
+        sections.extend(shaders.first().map(example));
+    }
+    sections.push(Section::Text { title: "Inputs and outputs".into(), paragraphs: owned(&CONTRACT) });
+    sections.push(file_table(files));
     if let Some(shader) = shaders.first() {
         sections.push(frame_table(shader));
     }
@@ -77,11 +79,12 @@ fn how(target: Target) -> Vec<String> {
         Target::GlslEs => &[
             "NAME.vert and NAME.frag form a WebGL 2 program. Buffers are the uniform blocks FrameBlock, LightBlock, \
              EnvironmentBlock and MaterialBlock, in the std140 layout; a texture with its sampler is one sampler2D.",
-            "material.js makes a three.js material from NAME.json. Serve the folder, since browsers fetch nothing for a \
-             page opened from disk, and name three in an import map:",
-            "import { loadMaterial, worldGeometry } from \"./material.js\"; const material = await loadMaterial(\"NAME\", { \
-             textures: { base_color_texture } }); material.light([0, 0, 1], [3, 3, 3]); scene.add(new \
-             THREE.Mesh(worldGeometry(mesh, material), material));",
+            "A host with its own lights defines the macro HOST_LIGHTS and adds the function vec3 \
+             host_lights(SurfacePoint p, vec3 position), which sums reflect_light(p, l) times the irradiance. There is then no \
+             LightBlock.",
+            "material.js makes three.js materials for WebGLRenderer this way. The mesh keeps its place in the scene: transforms, \
+             skins, morph targets, instances, lights, shadows, fog and tone mapping are three.js's. Serve the folder, since \
+             browsers fetch nothing for a page opened from disk, and name three in an import map.",
         ],
         Target::Hlsl => &[
             "The entry points are vertex_main and fragment_main, for shader model 5.1. A resource of group g and binding b is \
@@ -100,6 +103,43 @@ fn how(target: Target) -> Vec<String> {
              is binding b of descriptor set g. Clip space is WebGPU's, y up: the module flips y.",
         ],
     })
+}
+
+/// Returns the code that draws with a shader in three.js.
+fn example(shader: &Description) -> Section {
+    let roles = shader.interface.textures.iter().filter_map(|slot| TextureRole::named(slot.name));
+    let textures: Vec<String> = roles.map(three_texture).collect();
+    let is_mapped = textures.iter().any(|line| line.contains("normalTexture("));
+    let imports = if is_mapped { "loadMaterial, normalTexture" } else { "loadMaterial" };
+    let name = &shader.name;
+    let (declared, options) = match textures.is_empty() {
+        true => (String::new(), ""),
+        false => (format!("const textures = {{\n{}}};\n", textures.concat()), ", { textures }"),
+    };
+    let code = format!(
+        "import {{ {imports} }} from \"./material.js\";\n\n\
+         {declared}mesh.material = await loadMaterial(\"{name}\"{options});\n"
+    );
+    let note = "The mesh has the material that GLTFLoader made, and stays in its scene. A surface other than the first in the \
+        .json is chosen by its number, as in { textures, surface: 1 }.";
+    Section::Code { title: "In three.js".into(), note: note.into(), code }
+}
+
+/// Returns the line that takes a texture from a material of `GLTFLoader`.
+fn three_texture(role: TextureRole) -> String {
+    let property = match role {
+        TextureRole::BaseColor => "map",
+        TextureRole::MetallicRoughness => "roughnessMap",
+        TextureRole::Occlusion => "aoMap",
+        TextureRole::Height => "bumpMap",
+        TextureRole::Specular => "specularIntensityMap",
+        // The others have glTF's names: `emissiveTexture` is `emissiveMap`.
+        _ => &role.gltf_member().replace("Texture", "Map"),
+    };
+    let texture = format!("mesh.material.{property}");
+    let is_vectors = matches!(role, TextureRole::Normal | TextureRole::ClearcoatNormal);
+    let value = if is_vectors { format!("normalTexture({texture}, renderer)") } else { texture };
+    format!("    {}: {value},\n", role.name())
 }
 
 fn file_table(files: &[&str]) -> Section {

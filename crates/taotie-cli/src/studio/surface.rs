@@ -183,6 +183,7 @@ impl MaterialArgs {
             roughness: number(self.roughness),
             slope: number(self.slope),
             shininess: number(self.shininess),
+            emissive: None,
         }
     }
 

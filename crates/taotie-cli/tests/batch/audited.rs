@@ -1,7 +1,8 @@
 //! `taotie batch --check`: finds changed files.
 
-use crate::collection::{Collection, ball, number};
+use crate::collection::{Collection, QUICK, ball, number};
 use crate::files::files_below;
+use serde_json::Value;
 
 #[test]
 fn an_audit_finds_what_was_changed() {
@@ -29,6 +30,41 @@ fn an_audit_finds_what_was_changed() {
 }
 
 #[test]
+fn an_audit_finds_forged_figures_and_verdicts() {
+    let collection = Collection::of_balls(1);
+    collection.configure(&format!("require = [\"mean-angle=30\"]\n{QUICK}"));
+    collection.report("");
+    let path = collection.path("out/manifest.jsonl");
+    let truth = std::fs::read_to_string(&path).unwrap();
+    let record = &collection.last()["ball0.obj"];
+    let forge = |pointer: &str, value: Value| {
+        let mut record = record.clone();
+        *record.pointer_mut(pointer).expect("it exists") = value;
+        std::fs::write(&path, format!("{record}\n")).unwrap();
+        let (code, report) = collection.report("--check --proofs 0");
+        assert_eq!(code, Some(1), "{pointer}: {report}");
+        report["faults"].to_string()
+    };
+    let faults = forge("/figures/mean_angle", 0.001.into());
+    assert!(faults.contains("figures.mean_angle is 0.001 in the manifest instead of"), "{faults}");
+    forge("/figures/triangles/0", 7.into());
+    forge("/required/0/value", 0.001.into());
+    forge("/state", "required-not-met".into());
+    forge("/warnings", Value::Array(vec![serde_json::json!({ "count": 1, "what": "none" })]));
+    // The same forgery in the description of the asset is found by baking it again.
+    let object = files_below(&collection.path("out/objects"), &["glb"])[0].with_file_name("object.json");
+    let described = std::fs::read_to_string(&object).unwrap();
+    let bytes = format!("\"bytes_in\":{}", record["figures"]["bytes_in"]);
+    assert!(described.contains(&bytes) && truth.contains(&bytes));
+    for (path, text) in [(&path, &truth), (&object, &described)] {
+        std::fs::write(path, text.replace(&bytes, "\"bytes_in\":7")).unwrap();
+    }
+    assert_eq!(collection.report("--check --proofs 0").0, Some(0));
+    let (code, report) = collection.report("--check --proofs 1");
+    assert!(code == Some(1) && report["faults"].to_string().contains("figures.bytes_in"), "{report}");
+}
+
+#[test]
 fn a_proof_anew_finds_an_asset_that_is_another() {
     let collection = Collection::of_balls(1);
     collection.report("");
@@ -39,8 +75,11 @@ fn a_proof_anew_finds_an_asset_that_is_another() {
     let mut bytes = std::fs::read(&models[0]).unwrap();
     *bytes.last_mut().unwrap() ^= 1;
     std::fs::write(&models[0], bytes).unwrap();
-    let text = std::fs::read_to_string(&path).unwrap();
-    std::fs::write(&path, text.replace(&hash, &taotie_io::sha256(&models[0]).unwrap())).unwrap();
+    let object = models[0].with_file_name("object.json");
+    for path in [&path, &object] {
+        let text = std::fs::read_to_string(path).unwrap();
+        std::fs::write(path, text.replace(&hash, &taotie_io::sha256(&models[0]).unwrap())).unwrap();
+    }
     assert_eq!(collection.report("--check --proofs 0").0, Some(0), "hashes do not reveal it");
     let (code, report) = collection.report("--check");
     assert!(

@@ -15,6 +15,8 @@ mod collection;
 mod configured;
 #[cfg(unix)]
 mod ended;
+#[cfg(unix)]
+mod found;
 mod page;
 mod shared_scans;
 mod worked;

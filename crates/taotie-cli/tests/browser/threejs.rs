@@ -8,8 +8,8 @@ use taotie_engine::compare::DisplayImage;
 use taotie_engine::film::{Development, ToneCurve, develop8};
 use taotie_engine::image::Texels;
 use taotie_engine::math::Vec3;
-use taotie_engine::render::{EnvironmentLight, GrazingNormals, Lighting, RenderSettings, Shot, render};
-use taotie_engine::scene::{Camera, Falloff, Light, LightKind, Orbit, Projection};
+use taotie_engine::render::{GrazingNormals, Lighting, RenderSettings, Shot, render};
+use taotie_engine::scene::{Camera, Falloff, Light, LightKind, Orbit, Projection, Scene};
 use taotie_engine::shade::Energy;
 use taotie_io::{decode_bitmap, load_model, read_bytes};
 
@@ -31,14 +31,17 @@ pub struct View {
 
 /// Returns three.js's picture of `model.glb` in a folder, on black and without tone curve.
 pub fn three(node: &Node, folder: &Path, view: &View) -> DisplayImage {
-    averaged(&canvas(node, folder, "three.html", json_of(view, FINER)), view.size)
+    averaged(&canvas(node, folder, "three.html", &json_of(view, FINER)), view.size)
 }
 
-/// Returns three.js's picture of `model.glb` with the shader `name` in the folder `shaders`, one sample a pixel.
-pub fn by_shader(node: &Node, folder: &Path, view: &View, name: &str) -> Vec<[u8; 4]> {
+/// Returns three.js's picture of `model.glb` in a folder, one sample a pixel. The fields of `changes` override those of
+/// `view.json`: `shader` is the name of one in the folder `shaders`.
+pub fn changed(node: &Node, folder: &Path, view: &View, changes: &Value) -> Vec<[u8; 4]> {
     let mut json = json_of(view, 1);
-    json["shader"] = name.into();
-    canvas(node, folder, "shader-material.html", json)
+    for (field, value) in changes.as_object().expect("changes are fields") {
+        json[field] = value.clone();
+    }
+    canvas(node, folder, "three.html", &json)
 }
 
 /// Returns model-viewer's picture of `model.glb` in a folder, seen along an orbit, transparent outside the model.
@@ -50,11 +53,11 @@ pub fn by_model_viewer(node: &Node, folder: &Path, orbit: &Orbit, size: [u32; 2]
         "distance": orbit.distance,
         "target": orbit.target.to_array(),
     } });
-    canvas(node, folder, "model-viewer.html", json)
+    canvas(node, folder, "model-viewer.html", &json)
 }
 
 /// Returns the pixels that a page draws.
-fn canvas(node: &Node, folder: &Path, page: &str, view: Value) -> Vec<[u8; 4]> {
+fn canvas(node: &Node, folder: &Path, page: &str, view: &Value) -> Vec<[u8; 4]> {
     std::fs::write(folder.join("view.json"), view.to_string()).unwrap();
     node.run(&["three.mjs", page], folder);
     let path = folder.join("three.png");
@@ -71,10 +74,10 @@ fn json_of(view: &View, finer: usize) -> Value {
     let columns: Vec<f64> = view.camera.world_from_view.columns.iter().flatten().copied().collect();
     let camera =
         json!({ "fov_deg": fov_y.to_degrees(), "near": near, "far": near * 1000.0, "columns": columns });
-    let from = (view.direction * -1.0).to_array();
-    let light = json!({ "from": from, "color": [view.irradiance, view.irradiance, view.irradiance] });
+    let (from, color) = ((view.direction * -1.0).to_array(), [view.irradiance; 3]);
+    let light = json!({ "kind": "DirectionalLight", "position": from, "color": color });
     let fine = view.size.map(|side| side as usize * finer);
-    json!({ "size": fine, "camera": camera, "light": light })
+    json!({ "size": fine, "camera": camera, "lights": [light] })
 }
 
 /// Averages squares of pixels, in linear light.
@@ -108,25 +111,32 @@ pub fn ours(folder: &Path, view: &View) -> DisplayImage {
         energy: Energy::Single,
         ..RenderSettings::default()
     };
-    picture_of(&rendered(folder, view, settings, None), view.size)
+    picture_of(&rendered(&scene_in(folder), view, &lit_by(view), settings), view.size)
 }
 
-/// Returns our picture with these settings and the environment, if any, on black and without tone curve.
-pub fn rendered(
-    folder: &Path,
-    view: &View,
-    settings: RenderSettings,
-    environment: Option<EnvironmentLight>,
-) -> Vec<[u8; 4]> {
-    let scene = load_model(folder.join("model.glb")).unwrap().scene;
+/// Returns the scene of `model.glb` in a folder.
+pub fn scene_in(folder: &Path) -> Scene {
+    load_model(folder.join("model.glb")).unwrap().scene
+}
+
+/// Returns the light of a view.
+pub fn lit_by(view: &View) -> Lighting {
     let kind = LightKind::Directional { direction: view.direction };
-    let light =
-        Light { name: String::new(), kind, color: Vec3::splat(view.irradiance), falloff: Falloff::None };
-    let lighting = Lighting { lights: vec![light], environment, ..Lighting::default() };
+    let color = Vec3::splat(view.irradiance);
+    Lighting { lights: vec![lamp(kind, color)], ..Lighting::default() }
+}
+
+/// Returns a light.
+pub fn lamp(kind: LightKind, color: Vec3) -> Light {
+    Light { name: String::new(), kind, color, falloff: Falloff::InverseSquare }
+}
+
+/// Returns our picture with these settings, on black and without tone curve.
+pub fn rendered(scene: &Scene, view: &View, lighting: &Lighting, settings: RenderSettings) -> Vec<[u8; 4]> {
     let [width, height] = view.size;
     let settings = RenderSettings { width, height, ..settings };
-    let shot = Shot { camera: &view.camera, lighting: &lighting, settings: &settings };
-    let frame = render(&scene, &shot).unwrap();
+    let shot = Shot { camera: &view.camera, lighting, settings: &settings };
+    let frame = render(scene, &shot).unwrap();
     let development =
         Development { tone: ToneCurve::Linear, background: Some(Vec3::splat(0.0)), ..Development::default() };
     develop8(&frame.color, &development).unwrap()

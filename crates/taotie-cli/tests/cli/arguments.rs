@@ -236,7 +236,7 @@ fn unknown_output_variable() {
     refused_beside_a_model(
         "render a.obj -o a.png --aov normals,curvature",
         str![[r#"
-taotie: error: --aov curvature: unknown output variable; expected one of: normals, depth, albedo, uv, triangle
+taotie: error: --aov curvature: unknown output variable; expected one of: normals, depth, albedo, uv, triangle, position
 
 "#]],
     );

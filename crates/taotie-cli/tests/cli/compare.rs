@@ -208,6 +208,10 @@ fn shading_models_are_measured_against_a_baseline_on_the_same_surface() {
     let pictures = ["ggx", "lambert"].map(|shading| format!("out/tangent-normal.{shading}.png"));
     let apart = place.json(&format!("diff {} {} --encoding color --json", pictures[0], pictures[1]));
     let [reported, measured] = [figures, &apart["metrics"]].map(|of| of["rmse"].as_f64().expect("a number"));
+    // That counts the background, which is equal in both.
+    let pixels = figures["pixels"].as_f64().expect("a number");
+    assert!((500.0..64.0 * 64.0).contains(&pixels), "{pixels}");
+    let measured = measured * (64.0 * 64.0 / pixels).sqrt();
     assert!(reported > 1e-3 && (reported - measured).abs() < 1e-6, "{reported} against {measured}");
     place.read("out/tangent-normal.lambert-ggx.flip.png");
     let text = place.taotie(&format!("compare {line} {FRONT} -o out")).assert().success();

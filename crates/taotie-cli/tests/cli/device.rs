@@ -2,7 +2,7 @@
 
 use super::models::TRIANGLE;
 use super::place::Place;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 /// Runs a line; returns whether it succeeded, its stdout and its stderr.
 fn run(place: &Place, line: &str) -> (bool, String, String) {
@@ -26,26 +26,64 @@ fn a_graphics_processor_draws_or_is_asked_for() {
         return;
     }
     let report: Value = serde_json::from_str(&out).unwrap_or_else(|why| panic!("{why}: {out} {err}"));
-    assert_eq!(report["device"]["name"], "gpu");
-    assert!(report["device"]["adapter"]["name"].is_string(), "{report}");
+    assert_eq!((&report["device"]["name"], &report["device"]["requested"]), (&json!("gpu"), &json!("gpu")));
+    let adapter = &report["device"]["adapter"];
+    assert!(["name", "kind", "backend"].iter().all(|fact| adapter[fact].is_string()), "{report}");
     assert_eq!(report["device"]["shadows"], "shader-rays");
     assert!(
         err.contains("taotie: rendered on ") && err.contains("; shadows by rays in the shader\n"),
         "{err}"
     );
+    let is_software = adapter["kind"] == "software";
+    assert_eq!(err.contains("a software GPU: --device cpu is faster"), is_software, "{err} {report}");
     assert_eq!(place.files(), ["a.obj", "b.png"]);
+}
+
+#[test]
+fn drivers_are_quiet_too() {
+    let place = Place::with("a.obj", TRIANGLE);
+    for device in ["gpu", "auto"] {
+        let (done, _, err) =
+            run(&place, &format!("render a.obj -o {device}.png --size 40x30 --device {device} -q"));
+        assert!((done && err.is_empty()) || (!is_required() && err.contains("no GPU was found")), "{err}");
+    }
+}
+
+#[test]
+fn a_software_gpu_is_only_used_if_named() {
+    let place = Place::with("a.obj", TRIANGLE);
+    let device = |asked: &str| {
+        let line = format!("render a.obj -o b.png --size 40x30 --device {asked} --json");
+        let (done, out, err) = run(&place, &line);
+        let report: Value = serde_json::from_str(&out).unwrap_or_default();
+        (done, report["device"].clone(), err)
+    };
+    let (found, gpu, _) = device("gpu");
+    let (done, auto, err) = device("auto");
+    assert!(done && auto["requested"] == "auto", "{auto}");
+    let adapter = &gpu["adapter"];
+    if adapter["kind"] == "software" {
+        let reason = auto["reason"].as_str().unwrap_or_default();
+        let name = adapter["name"].as_str().expect("it has a name");
+        assert!(auto["name"] == "cpu" && reason.contains("software") && reason.contains(name), "{auto}");
+        assert!(err.contains(reason), "{err}");
+    } else if found {
+        assert_eq!((&auto["name"], &auto["adapter"]), (&json!("gpu"), adapter));
+    }
 }
 
 #[test]
 fn who_leaves_the_choice_gets_all_that_is_asked_for() {
     let place = Place::with("a.obj", TRIANGLE);
     let reason = "taotie: rendered on the CPU: output variables and the reference integrator need it\n";
-    for (device, reason) in [("cpu", ""), ("auto", reason)] {
+    let because = reason.trim_end().trim_start_matches("taotie: rendered on the CPU: ");
+    for (device, reason, because) in [("cpu", "", Value::Null), ("auto", reason, json!(because))] {
         let line = format!("render a.obj -o {device}.png --size 40x30 --aov depth --device {device} --json");
         let (done, out, err) = run(&place, &line);
         assert!(done && err == reason, "{err}");
         let report: Value = serde_json::from_str(&out).unwrap();
-        assert_eq!(report["device"], serde_json::json!({ "name": "cpu", "shadows": null }));
+        let expected = json!({ "name": "cpu", "requested": device, "reason": because, "shadows": null });
+        assert_eq!(report["device"], expected);
     }
     assert_eq!(place.read("cpu.png"), place.read("auto.png"));
 }

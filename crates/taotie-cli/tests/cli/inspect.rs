@@ -91,10 +91,11 @@ fn layers_of_a_material() {
     write_relief(&place.path("normals.png"), Green::Up);
     place.taotie("inspect a.gltf").assert().success().stdout_eq(str![[r#"
 ...
-  0  stone: base colour 0.5 0.25 0.125 1, metallic 0, roughness 0.75, mask at 0.25, double-sided, ior 1.25, specular factor 0.5, specular colour 1 0.5 2, clearcoat 0.75 with roughness 0.125 and normal map scale 0.25, anisotropy 0.5 at 90.0°, sheen 0.5 0.25 0 with roughness 0.5
+  0  stone: base colour 0.5 0.25 0.125 1, metallic 0, roughness 0.75, mask at 0.25, double-sided, ior 1.25, specular factor 0.5, specular colour 1 0.5 2, clearcoat 0.75 with roughness 0.125 and normal map scale 0.25, anisotropy 0.5 at 90.0°, sheen 0.5 0.25 0 with roughness 0.5, transmission 0.5, volume 2 with attenuation distance 4 with attenuation color 0.5 1 0.25, iridescence 0.75 with ior 1.5 with thickness minimum 100 with thickness maximum 400, dispersion 1.25
       normal            normals.png  192×192  8-bit RGB  linear  uv 0
       specular-color    normals.png  192×192  8-bit RGB  sRGB    uv 0
       clearcoat-normal  normals.png  192×192  8-bit RGB  linear  uv 0
+      transmission      normals.png  192×192  8-bit RGB  linear  uv 0
 ...
 "#]]);
 }

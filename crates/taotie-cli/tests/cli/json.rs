@@ -89,7 +89,8 @@ fn of_render() {
     assert_eq!((report.model.as_str(), report.files.as_slice()), ("a.gltf", ["b.png".to_owned()].as_slice()));
     assert_eq!((report.triangles, report.size, report.samples), (2, [8, 6], Some(1)));
     assert_eq!(report.integrator, Integrator::Raster);
-    assert_eq!(report.device, serde_json::json!({ "name": "cpu", "shadows": null }));
+    let device = serde_json::json!({ "name": "cpu", "requested": "cpu", "reason": null, "shadows": null });
+    assert_eq!(report.device, device);
     let reflection =
         Reflection { energy: "compensated".into(), specular_aa: true, grazing_normals: "soften".into() };
     assert_eq!(report.reflection, reflection);
@@ -291,6 +292,10 @@ struct Material {
     clearcoat: Option<Clearcoat>,
     anisotropy: Option<Anisotropy>,
     sheen: Option<Sheen>,
+    transmission: Option<Transmission>,
+    volume: Option<Volume>,
+    iridescence: Option<Iridescence>,
+    dispersion: Option<Dispersion>,
     emissive: [f32; 3],
     alpha_mode: String,
     alpha_cutoff: Option<f32>,
@@ -316,6 +321,35 @@ struct Clearcoat {
     factor: f32,
     roughness: f32,
     normal_scale: Option<f32>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Transmission {
+    factor: f32,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Volume {
+    thickness: f32,
+    attenuation_distance: f32,
+    attenuation_color: [f32; 3],
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Iridescence {
+    factor: f32,
+    ior: f32,
+    thickness_minimum: f32,
+    thickness_maximum: f32,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Dispersion {
+    factor: f32,
 }
 
 #[derive(Deserialize)]
@@ -403,8 +437,20 @@ fn of_inspect_with_layers() {
     assert!((anisotropy.rotation_deg - 90.0).abs() < 1e-4 && anisotropy.strength == 0.5);
     let sheen = material.sheen.as_ref().expect("it has sheen");
     assert_eq!((sheen.color, sheen.roughness), ([0.5, 0.25, 0.0], 0.5));
+    let volume = material.volume.as_ref().expect("it has a volume");
+    assert_eq!(
+        (volume.thickness, volume.attenuation_distance, volume.attenuation_color),
+        (2.0, 4.0, [0.5, 1.0, 0.25])
+    );
+    let film = material.iridescence.as_ref().expect("it has a film");
+    assert_eq!(
+        (film.factor, film.ior, film.thickness_minimum, film.thickness_maximum),
+        (0.75, 1.5, 100.0, 400.0)
+    );
+    assert_eq!(material.transmission.as_ref().map(|transmission| transmission.factor), Some(0.5));
+    assert_eq!(material.dispersion.as_ref().map(|dispersion| dispersion.factor), Some(1.25));
     let roles: Vec<&str> = material.textures.iter().map(|texture| texture.role.as_str()).collect();
-    assert_eq!(roles, ["normal", "specular-color", "clearcoat-normal"]);
+    assert_eq!(roles, ["normal", "specular-color", "clearcoat-normal", "transmission"]);
 }
 
 #[derive(Deserialize)]

@@ -85,6 +85,7 @@ struct PictureFigures {
     psnr: Option<f64>,
     ssim: f64,
     flip: Option<Spread>,
+    pixels: usize,
     flip_map: String,
 }
 
@@ -115,7 +116,7 @@ struct PointNormal {
 fn of_compare() {
     let line = "compare a.gltf --method smooth,bump,tangent-normal --points 3 --size 48x32 --baseline phong -o out --json";
     let report: CompareReport = parse(line);
-    assert_eq!((report.schema, report.kind.as_str()), (3, "taotie compare"));
+    assert_eq!((report.schema, report.kind.as_str()), (4, "taotie compare"));
     assert_eq!(report.parameters["baseline"], "phong");
     assert_eq!((report.subject.model.as_str(), report.subject.triangles), ("a.gltf", 2));
     assert_eq!((report.against.as_str(), report.unmatched), ("smooth", 0.0));

@@ -165,3 +165,47 @@ fn two_bakes_to_one_name_never_mix() {
         assert!(place.files().iter().all(|name| !name.starts_with('.')), "{:?}", place.files());
     }
 }
+
+#[test]
+fn a_page_keeps_the_files_that_others_wrote_to_its_folder() {
+    let place = Place::with("low.obj", LOW.obj());
+    place.write("scan.obj", SCAN.obj());
+    let site = place.path("site");
+    std::fs::create_dir(&site).unwrap();
+    let of_site = || -> BTreeMap<String, Vec<u8>> {
+        let names = std::fs::read_dir(&site).unwrap().map(|entry| entry.unwrap().file_name());
+        names
+            .map(|name| (name.to_string_lossy().into_owned(), std::fs::read(site.join(&name)).unwrap()))
+            .collect()
+    };
+    let refused = |options: &str, name: &str| {
+        let before = of_site();
+        let assert = place.taotie(&format!("view low.obj --folder site {options}")).assert().code(2);
+        let said = String::from_utf8(assert.get_output().stderr.clone()).unwrap();
+        assert!(said.contains(&format!("site/{name}: it would be overwritten")), "{name}: {said}");
+        assert!(of_site() == before, "{name}");
+    };
+    let address = "--address https://museum.example/site";
+    for (options, name) in
+        [("", "index.html"), ("", "asset.glb"), ("", "data.bin"), (address, "manifest.json")]
+    {
+        std::fs::write(site.join(name), "the user's").unwrap();
+        refused(options, name);
+        std::fs::remove_file(site.join(name)).unwrap();
+    }
+
+    let written = |options: &str| {
+        place.taotie(&format!("view low.obj --folder site {options}")).assert().success();
+        of_site()
+    };
+    let published = written(&format!("{address} --scan scan.obj --publish-scan"));
+    assert!(published.contains_key("scan.glb") && published.contains_key("manifest-3.json"));
+    let measured = written(&format!("{address} --scan scan.obj"));
+    let kept = measured.keys().filter(|name| !name.starts_with("scan")).count();
+    assert_eq!(kept, measured.len(), "the scan is not published any more: {:?}", measured.keys());
+    let manifests = ["manifest.json", "manifest-3.json"].map(|name| String::from_utf8_lossy(&measured[name]));
+    assert!(manifests.iter().all(|manifest| !manifest.contains("scan.")));
+
+    std::fs::write(site.join("asset.glb"), "the user's").unwrap();
+    refused("", "asset.glb");
+}

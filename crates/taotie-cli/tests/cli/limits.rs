@@ -68,6 +68,42 @@ fn pictures_larger_than_the_memory_are_refused_before_they_are_begun() {
     place.taotie("render a.obj -o a.png --size 16 --memory-limit 1G").assert().success();
 }
 
+/// `ulimit -v` lets allocations fail, which ends a process, unless the work is refused before.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_limit_on_the_address_space_limits_the_memory() {
+    /// 7,938 triangles, 60 million in 7,500 nodes.
+    const SIDE: u16 = 64;
+    let points = (0..SIDE * SIDE).map(|i| [f32::from(i % SIDE), f32::from(i / SIDE), 0.0].map(|x| x / 63.0));
+    let corners = (0..SIDE * (SIDE - 1)).filter(|i| i % SIDE + 1 < SIDE);
+    let squares = corners.flat_map(|i| [i, i + 1, i + SIDE, i + 1, i + SIDE + 1, i + SIDE]);
+    let mesh = super::models::gltf(&points.collect::<Vec<_>>(), &squares.collect::<Vec<_>>());
+    let mut model: serde_json::Value = serde_json::from_str(&mesh).unwrap();
+    model["nodes"] =
+        (0..7500).map(|i| serde_json::json!({ "mesh": 0, "translation": [i % 100, i / 100, 0] })).collect();
+    model["scenes"][0]["nodes"] = (0..7500).collect();
+    let place = Place::with("a.gltf", model.to_string());
+    place.write("b.obj", TRIANGLE);
+    let run = |limit: u32, line: &str| {
+        let limited = format!("ulimit -v {limit} && exec '{}' {line}", env!("CARGO_BIN_EXE_taotie"));
+        let mut process = std::process::Command::new("sh");
+        let ended = process.args(["-c", &limited]).current_dir(place.path("")).output().unwrap();
+        (ended.status.code(), String::from_utf8_lossy(&ended.stderr).into_owned())
+    };
+    let before = place.files();
+    for line in ["render a.gltf -o a.png --size 16", "view a.gltf -o a.html", "bake a.gltf -o a.glb"] {
+        let (code, said) = run(2_000_000, line);
+        assert!(code == Some(2) && said.contains("of memory, but the limit is"), "{line}: {code:?}, {said}");
+        assert!(said.contains("`ulimit -v` limits the process to 1.9 GiB"), "{line}: {said}");
+    }
+    assert_eq!(place.files(), before);
+    for line in ["render b.obj -o b.png --size 16", "inspect b.obj", "shader b.obj --target wgsl -o shaders"]
+    {
+        let (code, said) = run(1_000_000, line);
+        assert_eq!(code, Some(0), "{line}: {said}");
+    }
+}
+
 #[test]
 fn files_larger_than_the_memory_are_refused_from_their_headers() {
     let place = Place::with("a.obj", TRIANGLE);

@@ -1,13 +1,14 @@
 //! Maps without a model: `bake -o normal.png`.
 
 use super::bake_carried::{colored, write_scan};
+use super::bake_document::{ship, start};
 use super::balls::{Ball, LOW, SCAN};
 use super::place::Place;
 use serde_json::{Value, json};
 use taotie_engine::image::Texels;
 use taotie_engine::mesh::Mesh;
 use taotie_engine::scene::{Material, Scene};
-use taotie_io::{GltfFormat, read_bitmap, write_scene};
+use taotie_io::{GltfFormat, load_model, read_bitmap, write_scene};
 
 fn scan_and_low() -> Place {
     let place = Place::with("scan.obj", SCAN.obj());
@@ -46,6 +47,59 @@ fn the_map_is_that_of_a_model_and_measured_alike() {
         (&standalone["maps"][0]["map"], &standalone["maps"][0]["file"]),
         (&json!("normal"), &json!("normal.png"))
     );
+}
+
+/// Returns the mean angle on the surface.
+fn surface_mean(report: &Value) -> f64 {
+    report["proof"]["levels"][0]["surface_angles"]["mean"].as_f64().expect("it is measured")
+}
+
+#[test]
+fn every_material_gets_its_own_set() {
+    let (place, low) = start();
+    place.write("low.glb", ship(&low));
+    let line = "bake scan.obj --low low.glb --size 64 --maps normal,ao --ao-rays 4 --json -o";
+    let [model, report] = ["asset.glb", "out.png"].map(|out| place.json(&format!("{line} {out}")));
+    let labels = ["wood", "iron", "cloth"];
+    let mut files: Vec<String> =
+        labels.iter().flat_map(|label| ["png", "ao.png"].map(|end| format!("out.{label}.{end}"))).collect();
+    let maps: Vec<Value> =
+        report["maps"].as_array().expect("a list").iter().map(|map| map["file"].clone()).collect();
+    assert_eq!(json!(maps), json!(files));
+    assert_eq!((&report["maps"][3]["material"], &report["maps"][3]["map"]), (&json!("iron"), &json!("ao")));
+    files.extend(["out.report.html", "out.report.json"].map(str::to_owned));
+    assert_eq!(report["files"], json!(files));
+    assert!(!place.path("out.png").exists(), "it would hold no material's map");
+    let scene = load_model(place.path("asset.glb")).expect("it is sound").scene;
+    for (material, label) in scene.materials().iter().zip(labels) {
+        let normal = material.normal.expect("it has one").texture.texture;
+        let written = read_bitmap(&place.path(&format!("out.{label}.png"))).expect("it is a picture");
+        assert!(written == *scene.textures()[normal].bitmap(), "{label}");
+    }
+    let [expected, measured] = [&model, &report].map(surface_mean);
+    assert!((expected - measured).abs() < 0.02 * expected, "{expected} with a model, {measured} standalone");
+    let parts = report["proof"]["parts"].as_array().expect("a list");
+    let names: Vec<&Value> = parts.iter().map(|part| &part["material"]).collect();
+    assert_eq!(json!(names), json!(labels));
+    // Each map is proved on its own material, in object space too.
+    let object =
+        place.json("bake scan.obj --low low.glb --size 64 --maps normal --space object --json -o object.png");
+    let [object, tangent] = [&object, &report].map(surface_mean);
+    assert!(object < 2.0 * tangent, "{object} {tangent}");
+}
+
+#[test]
+fn names_of_materials_are_made_safe_and_unique() {
+    let place = scan_and_low();
+    let faces = LOW.obj();
+    let (vertices, faces) = faces.split_at(faces.find("\nf ").expect("it has faces") + 1);
+    let half = faces[faces.len() / 2..].find("\nf ").expect("it has faces") + faces.len() / 2 + 1;
+    let (one, other) = faces.split_at(half);
+    place.write("low.obj", format!("mtllib low.mtl\n{vertices}usemtl a/b\n{one}usemtl a_b\n{other}"));
+    place.write("low.mtl", "newmtl a/b\nKd 1 0 0\nnewmtl a_b\nKd 0 1 0\n");
+    let report = baked(&place, "-o out.exr --green down --no-verify");
+    assert_eq!(report["files"], json!(["out.a_b.exr", "out.a_b1.exr"]));
+    assert_eq!(report["warnings"], json!([]));
 }
 
 #[test]

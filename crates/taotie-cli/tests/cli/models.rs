@@ -126,6 +126,12 @@ pub fn coated_square() -> String {
             "anisotropyStrength": 0.5, "anisotropyRotation": std::f64::consts::FRAC_PI_2,
         },
         "KHR_materials_sheen": { "sheenColorFactor": [0.5, 0.25, 0.0], "sheenRoughnessFactor": 0.5 },
+        "KHR_materials_transmission": { "transmissionFactor": 0.5, "transmissionTexture": { "index": 0 } },
+        "KHR_materials_volume": {
+            "thicknessFactor": 2.0, "attenuationDistance": 4.0, "attenuationColor": [0.5, 1.0, 0.25],
+        },
+        "KHR_materials_iridescence": { "iridescenceFactor": 0.75, "iridescenceIor": 1.5 },
+        "KHR_materials_dispersion": { "dispersion": 1.25 },
     });
     json.to_string()
 }

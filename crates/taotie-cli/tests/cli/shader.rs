@@ -115,6 +115,30 @@ fn the_page_says_how_to_bind_them_and_fetches_nothing() {
 }
 
 #[test]
+fn the_page_shows_code_as_code() {
+    let place = Place::new();
+    place.taotie("shader --surface tangent-normal --target glsl-es -o out").assert().success();
+    let page = String::from_utf8(place.read("out/index.html")).expect("it is text");
+    // The data of the page; its script makes `pre` and `code` of it.
+    let data = page
+        .split_once("id=\"data\">")
+        .and_then(|(_, rest)| rest.split_once("</script>"))
+        .expect("it has data")
+        .0;
+    let data: Value = serde_json::from_str(data).expect("it is JSON");
+    let codes: Vec<_> =
+        data["sections"].as_array().unwrap().iter().filter_map(|s| s["code"]["code"].as_str()).collect();
+    let [code] = codes.as_slice() else { panic!("one example: {codes:?}") };
+    for line in [
+        "import { loadMaterial, normalTexture } from \"./material.js\";",
+        "    normal_texture: normalTexture(mesh.material.normalMap, renderer),",
+        "mesh.material = await loadMaterial(\"ggx-tangent-normal\", { textures });",
+    ] {
+        assert!(code.lines().any(|each| each == line), "{line}: {code}");
+    }
+}
+
+#[test]
 fn other_variants_have_shaders_of_their_own() {
     let place = two_stones(|other| {
         other["name"] = json!("Stone");

@@ -19,3 +19,4 @@ mod command;
 mod demo;
 mod material_looks;
 mod models_by_others;
+mod printed;

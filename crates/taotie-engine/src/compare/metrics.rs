@@ -1,8 +1,8 @@
 //! Metrics of the difference of two images: the root mean square error, the peak signal-to-noise ratio, the
 //! difference of each pixel, and the structural similarity.
 
-use super::DisplayImage;
 use super::field::{Field, Plane};
+use super::{DisplayImage, one_per_pixel};
 use crate::error::{Error, Result};
 use crate::math::scalar;
 
@@ -11,7 +11,15 @@ use crate::math::scalar;
 /// # Errors
 /// [`Error::Invalid`] if the sizes differ.
 pub fn rmse(a: &DisplayImage, b: &DisplayImage) -> Result<f64> {
-    Ok(mean_squared(a, b)?.sqrt())
+    Ok(mean_squared(a, b, None)?.sqrt())
+}
+
+/// Returns [`rmse`] over the pixels for which `keep`, one flag per pixel, is `true`; 0 if there are none.
+///
+/// # Errors
+/// [`Error::Invalid`] if the sizes differ, or `keep` has a different length.
+pub fn rmse_within(a: &DisplayImage, b: &DisplayImage, keep: &[bool]) -> Result<f64> {
+    Ok(mean_squared(a, b, Some(keep))?.sqrt())
 }
 
 /// Returns the peak signal-to-noise ratio in decibels, −10 log₁₀ of the mean squared difference, with a peak of 1;
@@ -20,8 +28,19 @@ pub fn rmse(a: &DisplayImage, b: &DisplayImage) -> Result<f64> {
 /// # Errors
 /// As [`rmse`].
 pub fn psnr(a: &DisplayImage, b: &DisplayImage) -> Result<f64> {
-    let squared = mean_squared(a, b)?;
-    Ok(if squared == 0.0 { f64::INFINITY } else { -10.0 * scalar::log10(squared) })
+    Ok(decibels(mean_squared(a, b, None)?))
+}
+
+/// Returns [`psnr`] over the pixels for which `keep`, one flag per pixel, is `true`; infinite if there are none.
+///
+/// # Errors
+/// As [`rmse_within`].
+pub fn psnr_within(a: &DisplayImage, b: &DisplayImage, keep: &[bool]) -> Result<f64> {
+    Ok(decibels(mean_squared(a, b, Some(keep))?))
+}
+
+fn decibels(squared: f64) -> f64 {
+    if squared == 0.0 { f64::INFINITY } else { -10.0 * scalar::log10(squared) }
 }
 
 /// Returns the mean absolute difference of the three channels, per pixel, [0, 1].
@@ -34,12 +53,18 @@ pub fn difference(a: &DisplayImage, b: &DisplayImage) -> Result<Field> {
     Field::new(a.width(), a.height(), a.pixels().iter().zip(b.pixels()).map(mean).collect())
 }
 
-fn mean_squared(a: &DisplayImage, b: &DisplayImage) -> Result<f64> {
+/// Returns the mean over all pixels, or over those to keep; 0 if there are none.
+fn mean_squared(a: &DisplayImage, b: &DisplayImage, keep: Option<&[bool]>) -> Result<f64> {
     a.check_same_size(b)?;
-    let channels = a.pixels().as_flattened().iter().zip(b.pixels().as_flattened());
+    keep.map_or(Ok(()), |keep| one_per_pixel("a mask", a.width(), a.height(), keep.len()))?;
+    let is_kept = |i: &usize| keep.is_none_or(|keep| keep[*i]);
     let squared = |(a, b): (&f32, &f32)| (f64::from(*a) - f64::from(*b)) * (f64::from(*a) - f64::from(*b));
-    let sum = channels.map(squared).fold(0.0, |sum, v| sum + v);
-    Ok(sum / (a.pixels().len() * 3) as f64)
+    let (mut sum, mut count) = (0.0, 0usize);
+    for i in (0..a.pixels().len()).filter(is_kept) {
+        sum = a.pixels()[i].iter().zip(&b.pixels()[i]).map(squared).fold(sum, |sum, v| sum + v);
+        count += 3;
+    }
+    Ok(sum / count.max(1) as f64)
 }
 
 /// The side of SSIM's window, in pixels: images must be at least that large.
@@ -61,8 +86,28 @@ const C2: f64 = 0.03 * 0.03;
 /// # Errors
 /// [`Error::Invalid`] if the sizes differ or a side is below 11 pixels.
 pub fn ssim(a: &DisplayImage, b: &DisplayImage) -> Result<f64> {
-    let inside: Vec<f64> = similarity(a, b)?.into_iter().filter(|v| !v.is_nan()).collect();
-    Ok(inside.iter().sum::<f64>() / inside.len() as f64)
+    Ok(mean(similarity(a, b)?.into_iter()))
+}
+
+/// Returns [`ssim`] over the windows around the pixels for which `keep`, one flag per pixel, is `true`; over all windows
+/// if none of these is inside the images.
+///
+/// # Errors
+/// As [`ssim`], and [`Error::Invalid`] if `keep` has a different length.
+pub fn ssim_within(a: &DisplayImage, b: &DisplayImage, keep: &[bool]) -> Result<f64> {
+    one_per_pixel("a mask", a.width(), a.height(), keep.len())?;
+    let all = similarity(a, b)?;
+    let kept = all.iter().zip(keep).filter(|(_, keep)| **keep).map(|(v, _)| *v);
+    match kept.clone().all(f64::is_nan) {
+        true => Ok(mean(all.iter().copied())),
+        false => Ok(mean(kept)),
+    }
+}
+
+/// Returns the mean of all values that are numbers, of which there is at least one.
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.filter(|v| !v.is_nan()).fold((0.0, 0), |(sum, count), v| (sum + v, count + 1));
+    sum / f64::from(count)
 }
 
 /// Returns the structural similarity around each pixel, the mean of its channels; NaN if the window leaves the image.
@@ -154,6 +199,33 @@ mod tests {
         let red = DisplayImage::new(2, 1, vec![[0.75, 0.0, 0.0], [0.0; 3]]).unwrap();
         let black = DisplayImage::new(2, 1, vec![[0.0; 3]; 2]).unwrap();
         assert_eq!(difference(&black, &red).unwrap().values(), [0.25, 0.0]);
+    }
+
+    #[test]
+    fn a_border_that_is_not_kept_changes_no_figure() {
+        let value = |x: u32, y: u32| ((x * 7 + y * 3) % 11) as f32 / 11.0;
+        let [a, b] = [0.0, 0.1].map(|more| picture(32, |x, y| (value(x, y) + more).min(1.0)));
+        let padded = |image: &DisplayImage| {
+            picture(64, |x, y| match (16..48).contains(&x) && (16..48).contains(&y) {
+                true => image.pixels()[((y - 16) * 32 + x - 16) as usize][0],
+                false => 0.25,
+            })
+        };
+        let (wide_a, wide_b) = (padded(&a), padded(&b));
+        let inside = |border: u32| -> Vec<bool> {
+            let is = |v: u32| (16 + border..48 - border).contains(&v);
+            (0..64 * 64).map(|i| is(i % 64) && is(i / 64)).collect()
+        };
+        assert_eq!(rmse_within(&wide_a, &wide_b, &inside(0)).unwrap(), rmse(&a, &b).unwrap());
+        assert_eq!(psnr_within(&wide_a, &wide_b, &inside(0)).unwrap(), psnr(&a, &b).unwrap());
+        assert!(rmse(&wide_a, &wide_b).unwrap() < 0.6 * rmse(&a, &b).unwrap());
+        // Windows around these pixels do not leave the smaller images.
+        let [within, whole] = [ssim_within(&wide_a, &wide_b, &inside(5)), ssim(&a, &b)].map(Result::unwrap);
+        assert!((within - whole).abs() < 1e-12, "{within} {whole}");
+        let nothing = vec![false; 64 * 64];
+        assert_eq!(rmse_within(&wide_a, &wide_b, &nothing).unwrap(), 0.0);
+        assert_eq!(ssim_within(&wide_a, &wide_b, &nothing).unwrap(), ssim(&wide_a, &wide_b).unwrap());
+        assert!(ssim_within(&a, &b, &nothing).is_err() && rmse_within(&a, &b, &nothing).is_err());
     }
 
     #[test]

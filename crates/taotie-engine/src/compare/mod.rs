@@ -14,7 +14,9 @@ mod normals;
 pub use color::{ciede2000, color_difference};
 pub use field::{ColorMap, Field, Summary, heat};
 pub use flip::{PIXELS_PER_DEGREE, flip};
-pub use metrics::{SSIM_WINDOW, difference, psnr, rmse, ssim, ssim_map};
+pub use metrics::{
+    SSIM_WINDOW, difference, psnr, psnr_within, rmse, rmse_within, ssim, ssim_map, ssim_within,
+};
 pub use normals::{NormalEncoding, StoredNormals, angle_deg, angular_error, stored_normals};
 
 use crate::error::{Error, Result};

@@ -1,6 +1,7 @@
 //! Texels as stored in a file, and the meaning of their numbers.
 
 use crate::error::{Error, Result};
+use std::sync::Arc;
 
 /// RGBA texels in one of the stored precisions, row by row from the top.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,13 +39,22 @@ impl Texels {
     }
 }
 
-/// A decoded image file: texels in stored precision and encoding, origin top left.
-#[derive(Debug, Clone, PartialEq)]
+/// A decoded image file: texels in stored precision and encoding, origin top left. Bitmaps with the same texels are
+/// equal, regardless of their files.
+#[derive(Debug, Clone)]
 pub struct Bitmap {
     width: u32,
     height: u32,
     channels: u8,
     texels: Texels,
+    file: Option<Arc<[u8]>>,
+}
+
+impl PartialEq for Bitmap {
+    fn eq(&self, other: &Self) -> bool {
+        let shape = |of: &Self| (of.width, of.height, of.channels);
+        shape(self) == shape(other) && self.texels == other.texels
+    }
 }
 
 impl Bitmap {
@@ -70,7 +80,18 @@ impl Bitmap {
         if texels.len() != width as usize * height as usize {
             return Err(Error::invalid("image", format!("{} texels for {width}×{height}", texels.len())));
         }
-        Ok(Self { width, height, channels, texels })
+        Ok(Self { width, height, channels, texels, file: None })
+    }
+
+    /// Keeps the compressed file that the bitmap was decoded from, so that it can be stored without another loss.
+    #[must_use]
+    pub fn with_file(self, file: Arc<[u8]>) -> Self {
+        Self { file: Some(file), ..self }
+    }
+
+    /// The compressed file that decodes to these texels, if the reader kept it.
+    pub fn file(&self) -> Option<&[u8]> {
+        self.file.as_deref()
     }
 
     /// The width in texels.

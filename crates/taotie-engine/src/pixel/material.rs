@@ -175,6 +175,43 @@ impl<L: Lane> MaterialPoint<L> {
         };
         Self { sample, ambient, emissive: values.emissive, occlusion: values.occlusion }
     }
+
+    /// Returns the point of a thin surface that lets this share of the light pass instead of scattering it.
+    ///
+    /// Source: KHR_materials_transmission.
+    #[inline(always)]
+    pub fn transmitting(self, transmission: L) -> Self {
+        let kept = transmission.lit(1.0) - transmission;
+        let MaterialSample { base_color, diffuse, .. } = self.sample;
+        // Models scatter by one of them.
+        let sample = MaterialSample { base_color: base_color * kept, diffuse: diffuse * kept, ..self.sample };
+        Self { sample, ambient: self.ambient - diffuse * transmission, ..self }
+    }
+}
+
+/// The values on which the light that passes through a thin surface depends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PassedLight<L> {
+    /// The transmission, [0, 1].
+    pub transmission: L,
+    /// [0, 1]; metals let nothing pass.
+    pub metallic: L,
+    /// Linear RGB.
+    pub base_color: Vec3<L>,
+    /// F0 of the dielectric part for white light, [0, 1].
+    pub f0: L,
+}
+
+impl<L: Lane> PassedLight<L> {
+    /// Returns the share of light from behind that passes, at most 0.99. Surfaces are composited with one opacity for all
+    /// channels, so that the base colour darkens what is behind, but does not tint it.
+    #[inline(always)]
+    pub fn share(&self) -> L {
+        let Self { transmission, metallic, base_color, f0 } = *self;
+        let one = metallic.lit(1.0);
+        let mean = (base_color.x + base_color.y + base_color.z) * one.lit(1.0 / 3.0);
+        (transmission * (one - metallic) * mean * (one - f0)).clamp(0.0, 0.99)
+    }
 }
 
 /// Returns F0 and F90: of a dielectric from its index of refraction, specular strength and colour, of a metal from its
@@ -347,4 +384,45 @@ pub fn anisotropy_turn<L: Lane>([cos, sin]: [L; 2], [red, green]: [L; 2]) -> [L;
     let (one, two) = (red.lit(1.0), red.lit(2.0));
     let (x, y) = (two * red - one, two * green - one);
     [cos * x - sin * y, sin * x + cos * y]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::names::Named;
+    use crate::shade::Angles;
+
+    #[test]
+    fn perfect_glass_scatters_nothing() {
+        let [n, v, l] = [[0.0, 0.0, 1.0], [0.6, 0.0, 0.8], [0.0, 0.6, 0.8]].map(Vec3::from_array);
+        let values = MaterialValues {
+            tint: Vec3::splat(1.0),
+            metallic: 0.0,
+            roughness: 0.5,
+            specular: 1.0,
+            specular_color: Vec3::splat(1.0),
+            occlusion: 1.0,
+            emissive: Vec3::splat(0.0),
+            variance: 0.0,
+        };
+        for (name, shading) in Shading::NAMES {
+            let reflected = |base: f32| {
+                let material = Material { base_color: [base, base, base, 1.0], ..Material::default() };
+                let point = MaterialPoint::new(*shading, &MaterialUniforms::new(&material), &values, None);
+                let point = point.transmitting(1.0);
+                [shade::reflect(*shading, &point.sample, &Angles::new(n, v, l)), point.ambient]
+            };
+            for (dark, bright) in reflected(0.1).into_iter().zip(reflected(0.9)) {
+                assert!((dark - bright).length() < 1e-6, "{name}: {dark:?} {bright:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn light_passes_through_glass_but_not_through_metal() {
+        let glass = PassedLight { transmission: 1.0, metallic: 0.0, base_color: Vec3::splat(1.0), f0: 0.04 };
+        assert!((glass.share() - 0.96).abs() < 1e-6);
+        assert_eq!(PassedLight { metallic: 1.0, ..glass }.share(), 0.0);
+        assert_eq!(PassedLight { f0: 0.0, ..glass }.share(), 0.99, "blending divides by the rest");
+    }
 }

@@ -77,6 +77,7 @@ texels! {
         "The stored cosine of the anisotropy's rotation, [0, 1]." None;
     AnisotropyGreen "anisotropy_green" [Some(Role::Anisotropy)] "g"
         "The stored sine of the anisotropy's rotation, [0, 1]." None;
+    Transmission "transmission" [Some(Role::Transmission)] "r" "[0, 1]." Some(|m| Some([m.transmission?.factor; 3]));
 }
 
 impl Texel {

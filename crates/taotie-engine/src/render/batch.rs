@@ -86,7 +86,7 @@ pub(super) struct TexelColumns {
     pub normal_variance: Column,
 }
 
-/// The columns of [`crate::pixel::MaterialValues`], and alpha.
+/// The columns of [`crate::pixel::MaterialValues`], alpha and transmission.
 #[derive(Debug, Clone)]
 pub(super) struct MaterialColumns {
     pub tint: Column3,
@@ -97,12 +97,14 @@ pub(super) struct MaterialColumns {
     pub emissive: Column3,
     pub specular: Column,
     pub specular_color: Column3,
+    /// The transmission, if the material has any.
+    pub transmission: Column,
     /// The sum of the variances of curvature and normal map.
     pub variance: Column,
 }
 
 /// The number of texels that have columns.
-pub(super) const TEXELS: usize = 17;
+pub(super) const TEXELS: usize = 18;
 
 /// The columns that take the texels of materials, times their factors, those of a texture together.
 #[inline]
@@ -130,6 +132,7 @@ pub(super) fn texel_columns<'b>(
         (Texel::Anisotropy, from_mut(&mut layers.anisotropy)),
         (Texel::AnisotropyRed, from_mut(red)),
         (Texel::AnisotropyGreen, from_mut(green)),
+        (Texel::Transmission, from_mut(&mut material.transmission)),
     ]
 }
 
@@ -248,6 +251,7 @@ impl Batch {
                 emissive: ZERO3,
                 specular: ZERO,
                 specular_color: ZERO3,
+                transmission: ZERO,
                 variance: ZERO,
             },
             layers: Layers {

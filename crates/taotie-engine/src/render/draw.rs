@@ -42,7 +42,7 @@ impl Draw<'_> {
 
     /// Returns true if parts of the surface may be missing, so that visibility depends on the material.
     pub(super) fn layered(&self) -> bool {
-        self.material.alpha != AlphaMode::Opaque
+        self.material.alpha != AlphaMode::Opaque || self.material.transmits()
     }
 
     /// Returns true if the surface emits light.

@@ -8,8 +8,9 @@ use super::visibility::VisibleBatch;
 use crate::error::Result;
 use crate::image::Image;
 use crate::math::Vec3;
+use crate::pixel::{MaterialUniforms, PassedLight};
 use crate::raster::{TILE_PIXELS, TILE_SIZE};
-use crate::scene::AlphaMode;
+use crate::scene::{AlphaMode, Material};
 
 /// A finished image.
 #[derive(Debug, Clone)]
@@ -31,24 +32,28 @@ pub struct Aovs {
     pub albedo: Image,
     /// The first uv set in the first two channels, origin top left.
     pub uv: Image,
-    /// The triangle's index over all instances, from 0, in the first three channels; exact up to 2^24.
+    /// The triangle's index over all instances, from 0, in the first channel, exact up to 2^24; its quotient and
+    /// remainder by 2^16 in the others.
     pub triangle: Image,
+    /// The point on the surface, world space.
+    pub position: Image,
 }
 
 impl Aovs {
     /// The names on the command line with their images.
-    pub fn named(&self) -> [(&'static str, &Image); 5] {
+    pub fn named(&self) -> [(&'static str, &Image); 6] {
         [
             ("normals", &self.normals),
             ("depth", &self.depth),
             ("albedo", &self.albedo),
             ("uv", &self.uv),
             ("triangle", &self.triangle),
+            ("position", &self.position),
         ]
     }
 
     /// The names on the command line.
-    pub const NAMES: [&'static str; 5] = ["normals", "depth", "albedo", "uv", "triangle"];
+    pub const NAMES: [&'static str; 6] = ["normals", "depth", "albedo", "uv", "triangle", "position"];
 }
 
 /// The memory to which a tile of a frame is written.
@@ -77,6 +82,7 @@ impl Frame {
                 albedo: black()?,
                 uv: black()?,
                 triangle: black()?,
+                position: black()?,
             }),
             false => None,
         };
@@ -89,8 +95,8 @@ impl Frame {
         let color = tiles_of(self.color.pixels_mut(), width);
         let mut tiles: Vec<FrameTile<'_>> =
             color.into_iter().map(|color| FrameTile { color, aovs: Vec::new() }).collect();
-        if let Some(Aovs { normals, depth, albedo, uv, triangle }) = &mut self.aovs {
-            for image in [normals, depth, albedo, uv, triangle] {
+        if let Some(Aovs { normals, depth, albedo, uv, triangle, position }) = &mut self.aovs {
+            for image in [normals, depth, albedo, uv, triangle, position] {
                 for (tile, rows) in tiles.iter_mut().zip(tiles_of(image.pixels_mut(), width)) {
                     tile.aovs.push(rows);
                 }
@@ -133,8 +139,8 @@ impl<T: Copy> TileRows<'_, T> {
 pub(super) struct Resolve {
     /// The colour, linear, premultiplied.
     pub color: Vec<[f32; 4]>,
-    /// Normals, depth, albedo, uv, triangle; empty if not requested.
-    aovs: [Vec<[f32; 4]>; 5],
+    /// Normals, depth, albedo, uv, triangle, position; empty if not requested.
+    aovs: [Vec<[f32; 4]>; 6],
     /// The weight of a sample in its pixel.
     weight: f32,
     /// Overlapping fragments of a sample.
@@ -148,7 +154,7 @@ struct Shaded {
     triangle: u32,
     /// Reversed depth.
     depth: f32,
-    /// The radiance, linear RGB, not premultiplied.
+    /// The radiance, linear RGB, premultiplied by the part of the pixel that is surface.
     radiance: Vec3,
     /// The fraction of the background that is covered.
     coverage: f32,
@@ -183,13 +189,16 @@ impl Resolve {
     }
 
     /// Stores possibly overlapping fragments until [`Self::add_layers`].
-    pub(super) fn keep(&mut self, visible: VisibleBatch<'_>, mode: AlphaMode, batch: &Batch) {
-        self.layers.extend(visible.pixels().enumerate().map(|(i, (pixel, span))| Shaded {
-            pixel,
-            triangle: span.triangle,
-            depth: span.depth,
-            radiance: get3(&batch.lit.radiance, i),
-            coverage: coverage(mode, batch.material.alpha[i]),
+    pub(super) fn keep(&mut self, visible: VisibleBatch<'_>, material: &Material, batch: &Batch) {
+        self.layers.extend(visible.pixels().enumerate().map(|(i, (pixel, span))| {
+            let opacity = opacity(material.alpha, batch.material.alpha[i]);
+            Shaded {
+                pixel,
+                triangle: span.triangle,
+                depth: span.depth,
+                radiance: get3(&batch.lit.radiance, i) * opacity,
+                coverage: opacity * (1.0 - passed(material, batch, i)),
+            }
         }));
     }
 
@@ -204,9 +213,9 @@ impl Resolve {
             let mut color = [0.0f32; 4];
             for fragment in fragments {
                 let [r, g, b] = fragment.radiance.to_array();
-                let source = [r, g, b, 1.0];
+                let source = [r, g, b, fragment.coverage];
                 let behind = 1.0 - fragment.coverage;
-                color = std::array::from_fn(|c| source[c] * fragment.coverage + color[c] * behind);
+                color = std::array::from_fn(|c| source[c] + color[c] * behind);
             }
             let sum = &mut self.color[fragments[0].pixel as usize];
             for c in 0..4 {
@@ -220,16 +229,17 @@ impl Resolve {
     pub(super) fn note_aovs(
         &mut self,
         visible: VisibleBatch<'_>,
-        mode: AlphaMode,
+        material: &Material,
         batch: &Batch,
         view: &View,
     ) {
-        let [normals, depth, albedo, uv, triangle] = &mut self.aovs;
+        let [normals, depth, albedo, uv, triangle, position] = &mut self.aovs;
         if normals.is_empty() {
             return;
         }
         for (i, (pixel, span)) in visible.pixels().enumerate() {
-            if coverage(mode, batch.material.alpha[i]) < 0.5 {
+            let opacity = opacity(material.alpha, batch.material.alpha[i]);
+            if opacity * (1.0 - passed(material, batch, i)) < 0.5 {
                 continue;
             }
             let pixel = pixel as usize;
@@ -243,8 +253,9 @@ impl Resolve {
             albedo[pixel] = with_one(get3(&batch.lit.albedo, i));
             let [u, v] = batch.first_uv(i);
             uv[pixel] = [u, v, 0.0, 1.0];
-            let id = span.triangle as f32;
-            triangle[pixel] = [id, id, id, 1.0];
+            let id = span.triangle;
+            triangle[pixel] = [id as f32, (id >> 16) as f32, (id & 0xffff) as f32, 1.0];
+            position[pixel] = with_one(get3(&batch.geometry.position, i));
         }
     }
 }
@@ -254,13 +265,28 @@ fn clear(plane: &mut Vec<[f32; 4]>) {
     plane.resize(TILE_PIXELS, [0.0; 4]);
 }
 
-/// The fraction of the background that a fragment hides.
-fn coverage(mode: AlphaMode, alpha: f32) -> f32 {
+/// The part of a fragment that is surface.
+fn opacity(mode: AlphaMode, alpha: f32) -> f32 {
     match mode {
         AlphaMode::Opaque => 1.0,
         AlphaMode::Mask(cutoff) => f32::from(u8::from(alpha >= cutoff)),
         AlphaMode::Blend => alpha.clamp(0.0, 1.0),
     }
+}
+
+/// The share of light from behind that passes through the surface of entry `i`.
+fn passed(material: &Material, batch: &Batch, i: usize) -> f32 {
+    if !material.transmits() {
+        return 0.0;
+    }
+    let values = &batch.material;
+    let passed = PassedLight {
+        transmission: values.transmission[i],
+        metallic: values.metallic[i],
+        base_color: get3(&batch.lit.albedo, i),
+        f0: MaterialUniforms::new(material).dielectric_f0 * values.specular[i],
+    };
+    passed.share()
 }
 
 #[cfg(test)]

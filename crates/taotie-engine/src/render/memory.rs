@@ -50,8 +50,8 @@ pub fn image_bytes(scene: &Scene, settings: &RenderSettings, held: HeldPixels) -
 
 /// Returns the memory of the pixels of an image until it is written, in bytes.
 pub fn pixel_bytes(settings: &RenderSettings, held: HeldPixels) -> u64 {
-    /// Light, five output variables, and one of them in output form.
-    const WITH_AOVS: u64 = HeldPixels::LIGHT + 5 * 16 + HeldPixels::WRITTEN_FLOATS;
+    /// Light, six output variables, and one of them in output form.
+    const WITH_AOVS: u64 = HeldPixels::LIGHT + 6 * 16 + HeldPixels::WRITTEN_FLOATS;
     let pixels = u64::from(settings.width) * u64::from(settings.height);
     pixels * if settings.aovs { WITH_AOVS } else { held.bytes() }
 }
@@ -141,7 +141,7 @@ mod tests {
             [8, 24, 40, 52].map(|bytes| bytes * 1_000_000)
         );
         let variables = RenderSettings { aovs: true, ..settings };
-        assert_eq!(pixel_bytes(&variables, HeldPixels::Codes), 132_000_000);
+        assert_eq!(pixel_bytes(&variables, HeldPixels::Codes), 148_000_000);
     }
 
     #[test]

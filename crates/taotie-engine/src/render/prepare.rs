@@ -91,12 +91,14 @@ impl Prepared {
     }
 }
 
-/// Returns the warnings about parts that cannot be drawn as requested, without drawing.
+/// Returns the warnings about parts that cannot be drawn as requested, without drawing or placing them.
 ///
 /// # Errors
 /// As for [`Prepared::new`].
 pub fn foreseen_warnings(scene: &Scene, settings: &SurfaceSettings) -> Result<Warnings> {
-    Ok(Parts::new(scene, settings)?.warnings)
+    let mut preparation = Preparation::new(scene, settings)?;
+    scene.instances().iter().try_for_each(|instance| preparation.look(instance).map(drop))?;
+    Ok(preparation.warnings)
 }
 
 /// The data computed once from a scene.
@@ -114,13 +116,6 @@ impl Parts {
     /// # Errors
     /// As for [`Prepared::new`].
     pub(super) fn new(scene: &Scene, settings: &SurfaceSettings) -> Result<Self> {
-        let total = scene.triangle_count();
-        if total == 0 {
-            return Err(Error::invalid("scene", "there are no triangles to draw"));
-        }
-        if total >= u32::MAX as usize {
-            return Err(Error::limit(format!("a scene of {total} triangles"), "at most 2^32 - 2"));
-        }
         let mut preparation = Preparation::new(scene, settings)?;
         let mut placed = Vec::with_capacity(scene.instances().len());
         let mut first_triangle = 0;
@@ -183,20 +178,46 @@ struct Preparation<'a> {
     warnings: Warnings,
 }
 
+/// The appearance of an instance, regardless of its place.
+struct Look {
+    body: Body,
+    normal_source: NormalSource,
+    takes_tangents: bool,
+}
+
 impl<'a> Preparation<'a> {
     /// Starts without instances.
     ///
     /// # Errors
-    /// If the SIMD level is not available on this machine.
+    /// If the scene has no triangles or too many, or the SIMD level is not available on this machine.
     fn new(scene: &'a Scene, settings: &'a SurfaceSettings) -> Result<Self> {
+        let total = scene.triangle_count();
+        if total == 0 {
+            return Err(Error::invalid("scene", "there are no triangles to draw"));
+        }
+        if total >= u32::MAX as usize {
+            return Err(Error::limit(format!("a scene of {total} triangles"), "at most 2^32 - 2"));
+        }
         let level = settings.simd.dispatch()?;
         Ok(Self { scene, settings, level, bodies: HashMap::new(), warnings: Warnings::default() })
     }
 
     /// Transforms an instance to world space and computes the data that it lacks.
     fn place(&mut self, instance: &Instance, first_triangle: u32) -> Result<Placed> {
-        let m = instance.world_from_object;
-        if !m.is_finite() {
+        let Look { body, normal_source, takes_tangents } = self.look(instance)?;
+        let placement = Placement {
+            material: instance.material,
+            first_triangle,
+            normal_source,
+            world_from_object: instance.world_from_object,
+            takes_tangents,
+        };
+        Ok(Placed::new(self.scene, body, &placement))
+    }
+
+    /// Returns what an instance shows, with the data that its mesh lacks.
+    fn look(&mut self, instance: &Instance) -> Result<Look> {
+        if !instance.world_from_object.is_finite() {
             return Err(Error::invalid("an instance's transform", "it is infinite or NaN; fix the file"));
         }
         let material = &self.scene.materials()[instance.material];
@@ -206,14 +227,7 @@ impl<'a> Preparation<'a> {
         }
         let tangent_set = normal_source.tangent_set().or_else(|| self.layers_set(instance.mesh, material));
         let body = self.body(instance.mesh, tangent_set)?;
-        let placement = Placement {
-            material: instance.material,
-            first_triangle,
-            normal_source,
-            world_from_object: m,
-            takes_tangents: tangent_set.is_some(),
-        };
-        Ok(Placed::new(self.scene, body, &placement))
+        Ok(Look { body, normal_source, takes_tangents: tangent_set.is_some() })
     }
 
     /// The requested method, if the material has the map that it needs.

@@ -171,17 +171,17 @@ impl<'p> Stages<'p> {
         let TileScratch { visible, batch, resolve, .. } = scratch;
         let layered = visible.last().is_some_and(|last| self.draws.of(last.triangle).layered());
         for (draw, visible) in self.runs(visible) {
-            let alpha = self.draws.all[draw].material.alpha;
+            let material = self.draws.all[draw].material;
             for visible in batches(visible) {
                 self.gather(at, draw, visible, batch);
                 self.light(draw, batch);
                 if layered {
-                    resolve.keep(visible, alpha, batch);
+                    resolve.keep(visible, material, batch);
                 } else {
                     resolve.add_opaque(visible, batch);
                 }
                 if first {
-                    resolve.note_aovs(visible, alpha, batch, &self.view);
+                    resolve.note_aovs(visible, material, batch, &self.view);
                 }
             }
         }

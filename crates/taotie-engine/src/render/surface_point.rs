@@ -94,7 +94,10 @@ impl<P: Pack> Lanes<'_, P> {
         let frame = self.frame();
         let compensated = self.batch.albedos.compensated && takes_compensation(shading);
         let dfg = compensated.then(|| self.dfg());
-        let point = MaterialPoint::new(shading, &self.uniforms(material), &self.values(), dfg);
+        let mut point = MaterialPoint::new(shading, &self.uniforms(material), &self.values(), dfg);
+        if material.transmits() {
+            point = point.transmitting(self.load(&self.batch.material.transmission));
+        }
         let layers = match layered {
             true => self.layers(material, frame.n),
             false => PointLayers { anisotropic: None, coat: None, sheen: None },

@@ -4,8 +4,8 @@
 use super::batch::{BATCH, Batch, get3};
 use super::draw::{Draw, Draws};
 use crate::math::{Vec2, Vec3};
-use crate::pixel::LightSource;
-use crate::scene::{AlphaMode, Scene};
+use crate::pixel::{LightSource, MaterialUniforms, PassedLight};
+use crate::scene::{AlphaMode, Scene, TextureRef};
 use crate::trace::{Bvh, Hit, Ray};
 use fearless_simd::Level;
 
@@ -27,7 +27,7 @@ impl SceneTree {
     }
 }
 
-/// The surfaces that cast shadows. Blended ones cast none.
+/// The surfaces that cast shadows. Blended and transmitting ones cast none.
 #[derive(Clone, Copy)]
 pub(super) struct Casters<'t> {
     pub tree: &'t SceneTree,
@@ -44,6 +44,7 @@ impl Casters<'_> {
     fn blocks(&self, hit: &Hit) -> bool {
         let draw = self.draws.of(hit.triangle);
         match draw.material.alpha {
+            _ if draw.material.transmits() => false,
             AlphaMode::Opaque => true,
             AlphaMode::Mask(cutoff) => Footprint::of(draw, hit).alpha(self.draws.scene, draw) >= cutoff,
             AlphaMode::Blend => false,
@@ -63,26 +64,61 @@ const POINT: f32 = -50.0;
 impl Footprint {
     /// The point where a ray hit a triangle of `draw`, given by its index over all draws.
     pub(super) fn of(draw: &Draw<'_>, hit: &Hit) -> Self {
-        Self { vertices: draw.vertices(hit.triangle), weights: hit.weights }
+        Self::at(draw, hit.triangle, hit.weights)
+    }
+
+    /// The same for a point given by the weights of the triangle's corners.
+    pub(super) fn at(draw: &Draw<'_>, triangle: u32, weights: [f32; 3]) -> Self {
+        Self { vertices: draw.vertices(triangle), weights }
     }
 
     /// Opacity: factor, texture and vertex colour.
     pub(super) fn alpha(&self, scene: &Scene, draw: &Draw<'_>) -> f32 {
-        let mut alpha = draw.material.base_color[3];
+        self.color(scene, draw)[3]
+    }
+
+    /// The share of light that passes through a thin surface, as [`PassedLight`].
+    pub(super) fn passed(&self, scene: &Scene, draw: &Draw<'_>) -> f32 {
+        let material = draw.material;
+        let Some(transmission) = material.transmission.as_ref().filter(|_| material.transmits()) else {
+            return 0.0;
+        };
+        let texel =
+            |texture: &Option<TextureRef>| texture.as_ref().map_or([1.0; 4], |t| self.texel(scene, draw, t));
+        let [r, g, b, _] = self.color(scene, draw);
+        let passed = PassedLight {
+            transmission: transmission.factor * texel(&transmission.texture)[0],
+            metallic: material.metallic * texel(&material.metallic_roughness_texture)[2],
+            base_color: Vec3::new(r, g, b),
+            f0: MaterialUniforms::new(material).dielectric_f0
+                * (material.specular.factor * texel(&material.specular.factor_texture)[3]),
+        };
+        passed.share()
+    }
+
+    /// Base colour and alpha: factor, texture and vertex colour.
+    fn color(&self, scene: &Scene, draw: &Draw<'_>) -> [f32; 4] {
+        let mut color = draw.material.base_color;
         if let Some(texture) = &draw.material.base_color_texture {
-            let uvs = draw.mesh.uvs().get(texture.uv_set);
-            let uv = uvs.map_or(Vec2::default(), |uvs| {
-                let [a, b, c] = self.vertices.map(|v| uvs[v as usize]);
-                a * self.weights[0] + b * self.weights[1] + c * self.weights[2]
-            });
-            let uv = texture.transform.apply(uv);
-            alpha *= texture.sampler.sample(&scene.textures()[texture.texture], uv, POINT)[3];
+            let texel = self.texel(scene, draw, texture);
+            color = std::array::from_fn(|c| color[c] * texel[c]);
         }
         if !draw.mesh.colors().is_empty() {
-            let [a, b, c] = self.vertices.map(|v| draw.mesh.colors()[v as usize][3]);
-            alpha *= a * self.weights[0] + b * self.weights[1] + c * self.weights[2];
+            let [a, b, c] = self.vertices.map(|v| draw.mesh.colors()[v as usize]);
+            let [x, y, z] = self.weights;
+            color = std::array::from_fn(|i| color[i] * (a[i] * x + b[i] * y + c[i] * z));
         }
-        alpha
+        color
+    }
+
+    fn texel(&self, scene: &Scene, draw: &Draw<'_>, texture: &TextureRef) -> [f32; 4] {
+        let uvs = draw.mesh.uvs().get(texture.uv_set);
+        let uv = uvs.map_or(Vec2::default(), |uvs| {
+            let [a, b, c] = self.vertices.map(|v| uvs[v as usize]);
+            a * self.weights[0] + b * self.weights[1] + c * self.weights[2]
+        });
+        let uv = texture.transform.apply(uv);
+        texture.sampler.sample(&scene.textures()[texture.texture], uv, POINT)
     }
 }
 

@@ -2,7 +2,10 @@
 //!
 //! The check covers a whole material: it can be shaded if its textures exist, and its factors are in range.
 
-use super::{AlphaMode, Anisotropy, Clearcoat, Light, Material, Sheen, TextureRole, UvTransform};
+use super::{
+    AlphaMode, Anisotropy, Clearcoat, Dispersion, Iridescence, Light, Material, Sheen, TextureRole,
+    Transmission, UvTransform, Volume,
+};
 
 /// The value of a factor.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
@@ -86,7 +89,8 @@ impl Layer {
 }
 
 /// The layers, in the order in which they are written.
-pub const LAYERS: [Layer; 4] = [SPECULAR, CLEARCOAT, ANISOTROPY, SHEEN];
+pub const LAYERS: [Layer; 8] =
+    [SPECULAR, CLEARCOAT, ANISOTROPY, SHEEN, TRANSMISSION, VOLUME, IRIDESCENCE, DISPERSION];
 
 /// A factor: its field, the name in messages, the member of the JSON, its kind and the largest value of glTF.
 macro_rules! factor {
@@ -172,6 +176,73 @@ const SHEEN: Layer = Layer {
     textures: &[TextureRole::SheenColor, TextureRole::SheenRoughness],
 };
 
+const TRANSMISSION: Layer = Layer {
+    name: "transmission",
+    extension: "KHR_materials_transmission",
+    add: |m| m.transmission = Some(Transmission::default()),
+    copy: |from, to| to.transmission = from.transmission,
+    is_visible: |m| m.transmission.is_some_and(|transmission| transmission.factor > 0.0),
+    factors: &[factor!(transmission.factor, "transmission factor", "transmissionFactor", Number, 1.0)],
+    textures: &[TextureRole::Transmission],
+};
+
+const VOLUME: Layer = Layer {
+    name: "volume",
+    extension: "KHR_materials_volume",
+    add: |m| m.volume = Some(Volume::default()),
+    copy: |from, to| to.volume = from.volume,
+    is_visible: |m| m.volume.is_some_and(|volume| volume.thickness > 0.0),
+    factors: &[
+        factor!(volume.thickness, "volume thickness", "thicknessFactor", Number, Light::MOST),
+        factor!(
+            volume.attenuation_distance,
+            "attenuation distance",
+            "attenuationDistance",
+            Number,
+            Light::MOST
+        ),
+        factor!(volume.attenuation_color, "attenuation colour", "attenuationColor", Color, 1.0),
+    ],
+    textures: &[TextureRole::Thickness],
+};
+
+const IRIDESCENCE: Layer = Layer {
+    name: "iridescence",
+    extension: "KHR_materials_iridescence",
+    add: |m| m.iridescence = Some(Iridescence::default()),
+    copy: |from, to| to.iridescence = from.iridescence,
+    is_visible: |m| m.iridescence.is_some_and(|film| film.factor > 0.0),
+    factors: &[
+        factor!(iridescence.factor, "iridescence factor", "iridescenceFactor", Number, 1.0),
+        factor!(iridescence.ior, "iridescence ior", "iridescenceIor", Number, Light::MOST),
+        factor!(
+            iridescence.thickness_minimum,
+            "iridescence minimum thickness",
+            "iridescenceThicknessMinimum",
+            Number,
+            Light::MOST
+        ),
+        factor!(
+            iridescence.thickness_maximum,
+            "iridescence maximum thickness",
+            "iridescenceThicknessMaximum",
+            Number,
+            Light::MOST
+        ),
+    ],
+    textures: &[TextureRole::Iridescence, TextureRole::IridescenceThickness],
+};
+
+const DISPERSION: Layer = Layer {
+    name: "dispersion",
+    extension: "KHR_materials_dispersion",
+    add: |m| m.dispersion = Some(Dispersion::default()),
+    copy: |from, to| to.dispersion = from.dispersion,
+    is_visible: |m| m.dispersion.is_some_and(|dispersion| dispersion.factor > 0.0),
+    factors: &[factor!(dispersion.factor, "dispersion", "dispersion", Number, Light::MOST)],
+    textures: &[],
+};
+
 /// A number with its name.
 type NamedNumber = (&'static str, f32);
 
@@ -209,17 +280,21 @@ impl Material {
             ("roughness", self.roughness),
             ("occlusion strength", self.occlusion_strength),
         ];
-        factors.extend(self.layer_factors().filter_map(|(name, value)| match value {
-            FactorValue::Number(number) => Some((name, number)),
-            _ => None,
-        }));
+        factors.extend(self.layer_numbers().filter(|(factor, _)| factor.most == 1.0).map(named));
         factors
     }
 
     /// Returns the factors of all layers of the material.
-    fn layer_factors(&self) -> impl Iterator<Item = (&'static str, FactorValue)> {
+    fn layer_factors(&self) -> impl Iterator<Item = (&'static Factor, FactorValue)> {
         let factors = LAYERS.iter().flat_map(|layer| layer.factors);
-        factors.filter_map(|factor| Some((factor.name, (factor.get)(self)?)))
+        factors.filter_map(|factor| Some((factor, (factor.get)(self)?)))
+    }
+
+    fn layer_numbers(&self) -> impl Iterator<Item = (&'static Factor, f32)> {
+        self.layer_factors().filter_map(|(factor, value)| match value {
+            FactorValue::Number(number) => Some((factor, number)),
+            _ => None,
+        })
     }
 
     fn amounts(&self) -> Vec<NamedNumber> {
@@ -232,13 +307,14 @@ impl Material {
             ("diffuse", classic.diffuse),
             ("specular", classic.specular),
         ];
-        let of_layers = self.layer_factors().filter_map(|(name, value)| match value {
-            FactorValue::Color(color) => Some((name, Some(color))),
+        let of_layers = self.layer_factors().filter_map(|(factor, value)| match value {
+            FactorValue::Color(color) => Some((factor.name, Some(color))),
             _ => None,
         });
         let channels =
             |(name, color): (_, Option<[f32; 3]>)| color.into_iter().flatten().map(move |v| (name, v));
         let mut factors: Vec<NamedNumber> = colors.into_iter().chain(of_layers).flat_map(channels).collect();
+        factors.extend(self.layer_numbers().filter(|(factor, _)| factor.most > 1.0).map(named));
         factors.extend(self.base_color.map(|v| ("base colour", v)));
         factors.extend(classic.shininess.map(|v| ("shininess", v)));
         if let AlphaMode::Mask(cutoff) = self.alpha {
@@ -253,6 +329,10 @@ impl Material {
         let heights = self.height.iter().map(|map| ("height scale", map.scale));
         maps.chain(heights).collect()
     }
+}
+
+fn named((factor, number): (&'static Factor, f32)) -> NamedNumber {
+    (factor.name, number)
 }
 
 fn within(factors: &[NamedNumber], range: &str, holds: impl Fn(f32) -> bool) -> Result<(), String> {
@@ -273,16 +353,19 @@ mod tests {
         for layer in &LAYERS {
             let mut material = Material::default();
             (layer.add)(&mut material);
+            assert_eq!(
+                (layer.is_visible)(&material),
+                layer.extension == SPECULAR.extension,
+                "{}",
+                layer.name
+            );
             for factor in layer.factors {
                 assert!(members.insert(factor.member), "{}", factor.member);
-                let is_zero = |value| match value {
-                    FactorValue::Number(number) => number == 0.0,
-                    FactorValue::Color(color) => color == [0.0; 3],
-                    FactorValue::Angle(angle) => angle == 0.0,
-                };
                 let default = (factor.get)(&material).expect("the layer was added");
-                assert_eq!(is_zero(default), layer.extension != SPECULAR.extension, "{}", factor.member);
+                (factor.set)(&mut material, default);
+                assert_eq!((factor.get)(&material), Some(default), "{}", factor.member);
             }
+            assert_eq!(material.check(0), Ok(()), "{}", layer.name);
             for role in layer.textures {
                 assert!(members.insert(role.gltf_member()), "{role:?}");
                 let is_plain = role.place(&mut material).is_some();

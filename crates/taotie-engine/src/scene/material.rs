@@ -206,6 +206,77 @@ pub struct Sheen {
     pub roughness_texture: Option<TextureRef>,
 }
 
+/// The light that passes through a thin surface: KHR_materials_transmission. Metals have none.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Transmission {
+    /// The share of the light that is not reflected specularly and passes, [0, 1].
+    pub factor: f32,
+    /// Red multiplies `factor`; linear.
+    pub texture: Option<TextureRef>,
+}
+
+/// The volume below a surface: KHR_materials_volume. Kept in files; surfaces are drawn thin.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Volume {
+    /// Its thickness, model units; 0 for a thin surface.
+    pub thickness: f32,
+    /// Green multiplies `thickness`; linear.
+    pub thickness_texture: Option<TextureRef>,
+    /// The mean distance that light travels before it is absorbed, model units; [`Light::MOST`](super::Light::MOST) if
+    /// nothing is absorbed.
+    pub attenuation_distance: f32,
+    /// The colour of white light after that distance, linear RGB, [0, 1].
+    pub attenuation_color: [f32; 3],
+}
+
+impl Default for Volume {
+    fn default() -> Self {
+        Self {
+            thickness: 0.0,
+            thickness_texture: None,
+            attenuation_distance: super::Light::MOST,
+            attenuation_color: [1.0; 3],
+        }
+    }
+}
+
+/// The colours of a thin film on the surface: KHR_materials_iridescence. Kept in files, but not drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Iridescence {
+    /// [0, 1].
+    pub factor: f32,
+    /// Red multiplies `factor`; linear.
+    pub factor_texture: Option<TextureRef>,
+    /// The film's index of refraction, at least 1.
+    pub ior: f32,
+    /// The film's thickness if the texture's green is 0, nanometres.
+    pub thickness_minimum: f32,
+    /// That if green is 1, or there is no texture, nanometres.
+    pub thickness_maximum: f32,
+    /// Green interpolates between the thicknesses; linear.
+    pub thickness_texture: Option<TextureRef>,
+}
+
+impl Default for Iridescence {
+    fn default() -> Self {
+        Self {
+            factor: 0.0,
+            factor_texture: None,
+            ior: 1.3,
+            thickness_minimum: 100.0,
+            thickness_maximum: 400.0,
+            thickness_texture: None,
+        }
+    }
+}
+
+/// The dependence of the index of refraction on the wavelength: KHR_materials_dispersion. Kept in files, but not drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Dispersion {
+    /// 20 divided by the Abbe number, at least 0.
+    pub factor: f32,
+}
+
 /// A surface: metallic-roughness as in glTF 2.0, along with the parameters of other models.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
@@ -235,6 +306,14 @@ pub struct Material {
     pub anisotropy: Option<Anisotropy>,
     /// The sheen.
     pub sheen: Option<Sheen>,
+    /// The light that passes through it.
+    pub transmission: Option<Transmission>,
+    /// The volume below it.
+    pub volume: Option<Volume>,
+    /// The thin film on it.
+    pub iridescence: Option<Iridescence>,
+    /// The dispersion in the volume below it.
+    pub dispersion: Option<Dispersion>,
     /// The normal map.
     pub normal: Option<NormalMap>,
     /// The height map, for bump mapping.
@@ -258,6 +337,16 @@ pub struct Material {
 }
 
 impl Material {
+    /// Returns true if light passes through the surface.
+    pub fn transmits(&self) -> bool {
+        !self.unlit && self.transmission.is_some_and(|transmission| transmission.factor > 0.0)
+    }
+
+    /// Returns true if the surface is composited over what is behind it.
+    pub fn is_blended(&self) -> bool {
+        self.alpha == AlphaMode::Blend || self.transmits()
+    }
+
     /// Returns the default material of a glTF file: white metal, as in the specification.
     pub fn default_of_gltf() -> Self {
         Self { base_color: [1.0; 4], metallic: 1.0, roughness: 1.0, ..Self::default() }
@@ -281,6 +370,10 @@ impl Default for Material {
             clearcoat: None,
             anisotropy: None,
             sheen: None,
+            transmission: None,
+            volume: None,
+            iridescence: None,
+            dispersion: None,
             normal: None,
             height: None,
             occlusion_texture: None,

@@ -14,8 +14,9 @@ pub use camera::{Camera, Orbit, Projection, fitting_distance, rigid};
 pub use layers::{Factor, FactorValue, LAYERS, Layer};
 pub use light::{Falloff, Light, LightKind, from_view, three_point_rig};
 pub use material::{
-    AlphaMode, Anisotropy, Classic, Clearcoat, GreenChannel, HeightMap, Material, NormalMap, NormalSpace,
-    PRESETS, Preset, Sheen, Specular, TextureRef, UvTransform, preset,
+    AlphaMode, Anisotropy, Classic, Clearcoat, Dispersion, GreenChannel, HeightMap, Iridescence, Material,
+    NormalMap, NormalSpace, PRESETS, Preset, Sheen, Specular, TextureRef, Transmission, UvTransform, Volume,
+    preset,
 };
 pub use texture_role::TextureRole;
 

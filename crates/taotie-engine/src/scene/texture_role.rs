@@ -34,6 +34,14 @@ pub enum TextureRole {
     SheenRoughness,
     /// Red and green turn the anisotropy, blue multiplies its strength.
     Anisotropy,
+    /// Red multiplies the transmission.
+    Transmission,
+    /// Green multiplies the thickness of the volume.
+    Thickness,
+    /// Red multiplies the iridescence.
+    Iridescence,
+    /// Green interpolates the thickness of the iridescent film.
+    IridescenceThickness,
 }
 
 /// A row of the table: role, name, member of glTF's JSON, encoding, and the meaning of its channels.
@@ -42,7 +50,7 @@ type Row = (TextureRole, &'static str, &'static str, Encoding, &'static str);
 const COLOR: &str = "Linear RGB, decoded from sRGB before it is filtered.";
 
 use TextureRole as Role;
-const ROWS: [Row; 14] = [
+const ROWS: [Row; 18] = [
     (
         Role::BaseColor,
         "base_color_texture",
@@ -113,6 +121,34 @@ const ROWS: [Row; 14] = [
         Encoding::Linear,
         "Red and green turn the direction, blue multiplies the strength; linear.",
     ),
+    (
+        Role::Transmission,
+        "transmission_texture",
+        "transmissionTexture",
+        Encoding::Linear,
+        "Red multiplies the share of light that passes; linear.",
+    ),
+    (
+        Role::Thickness,
+        "thickness_texture",
+        "thicknessTexture",
+        Encoding::Linear,
+        "Green multiplies the thickness of the volume; linear.",
+    ),
+    (
+        Role::Iridescence,
+        "iridescence_texture",
+        "iridescenceTexture",
+        Encoding::Linear,
+        "Red multiplies the iridescence; linear.",
+    ),
+    (
+        Role::IridescenceThickness,
+        "iridescence_thickness_texture",
+        "iridescenceThicknessTexture",
+        Encoding::Linear,
+        "Green interpolates the thickness of the iridescent film; linear.",
+    ),
 ];
 
 impl TextureRole {
@@ -171,6 +207,10 @@ impl TextureRole {
             Self::Anisotropy => material.anisotropy.as_ref()?.texture.as_ref(),
             Self::SheenColor => sheen?.color_texture.as_ref(),
             Self::SheenRoughness => sheen?.roughness_texture.as_ref(),
+            Self::Transmission => material.transmission.as_ref()?.texture.as_ref(),
+            Self::Thickness => material.volume.as_ref()?.thickness_texture.as_ref(),
+            Self::Iridescence => material.iridescence.as_ref()?.factor_texture.as_ref(),
+            Self::IridescenceThickness => material.iridescence.as_ref()?.thickness_texture.as_ref(),
             Self::Normal | Self::ClearcoatNormal => self.normal_map(material).map(|map| &map.texture),
             Self::Height => material.height.as_ref().map(|map| &map.texture),
         }
@@ -200,6 +240,14 @@ impl TextureRole {
             Self::Anisotropy => material.anisotropy.as_mut().map(|anisotropy| &mut anisotropy.texture),
             Self::SheenColor => material.sheen.as_mut().map(|sheen| &mut sheen.color_texture),
             Self::SheenRoughness => material.sheen.as_mut().map(|sheen| &mut sheen.roughness_texture),
+            Self::Transmission => {
+                material.transmission.as_mut().map(|transmission| &mut transmission.texture)
+            }
+            Self::Thickness => material.volume.as_mut().map(|volume| &mut volume.thickness_texture),
+            Self::Iridescence => material.iridescence.as_mut().map(|film| &mut film.factor_texture),
+            Self::IridescenceThickness => {
+                material.iridescence.as_mut().map(|film| &mut film.thickness_texture)
+            }
             Self::ClearcoatNormal | Self::Normal | Self::Height => None,
         }
     }

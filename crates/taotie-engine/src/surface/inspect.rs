@@ -38,16 +38,24 @@ pub struct GreenGuess {
     pub confidence: f32,
 }
 
-/// Counts the texels that cannot be tangent-space normals: those with blue at or below 0.5.
+/// Counts the texels that cannot be tangent-space normals: those with blue at or below 0.5. Vectors of about unit length
+/// that are hardly below the surface do not count: lossy formats such as KTX2 turn some of those in the surface there.
 pub fn invalid_texels(bitmap: &Bitmap) -> usize {
-    match bitmap.texels() {
-        Texels::U8(texels) => parallel::count(texels.len(), |i| texels[i][2] <= 127),
-        Texels::U16(texels) => parallel::count(texels.len(), |i| texels[i][2] <= 32_767),
-        Texels::F32(texels) => {
-            parallel::count(texels.len(), |i| texels[i][2] <= 0.5 || texels[i][2].is_nan())
-        }
-    }
+    let is_below = |i: usize| match bitmap.texels() {
+        Texels::U8(texels) => texels[i][2] <= 127,
+        Texels::U16(texels) => texels[i][2] <= 32_767,
+        Texels::F32(texels) => texels[i][2] <= 0.5 || texels[i][2].is_nan(),
+    };
+    parallel::count(bitmap.texels().len(), |i| is_below(i) && !is_in_surface(vector(bitmap, i)))
 }
+
+/// Returns true for a vector of about unit length that is at most 7° below the surface.
+fn is_in_surface(v: Vec3) -> bool {
+    v.z > -0.12 && (v.length() - 1.0).abs() < NEARLY_UNIT
+}
+
+/// The deviation from unit length below which a vector counts as a normal.
+const NEARLY_UNIT: f32 = 0.2;
 
 /// Guesses from its pixels whether a texture is a normal map.
 ///
@@ -83,9 +91,9 @@ impl Tally {
         let off = (v.length() - 1.0).abs();
         Self {
             all: 1,
-            near: usize::from(off < 0.2),
+            near: usize::from(off < NEARLY_UNIT),
             very_near: usize::from(off < 0.06),
-            upward: usize::from(off < 0.2 && v.z > 0.0),
+            upward: usize::from(off < NEARLY_UNIT && v.z > 0.0),
         }
     }
 

@@ -11,7 +11,7 @@ const SMALLEST_Z: f64 = 1.0 / 65535.0;
 /// 8-bit channel is 127.5, between two codes, so the usual (128, 128, 255) is tilted by 0.32°. `scale` is glTF's
 /// `normalTexture.scale`; `green` is +1 if green points up the image (OpenGL, glTF) and −1 if it points down
 /// (DirectX). z at or below zero (blue ≤ 0.5) is not a valid tangent-space normal and is raised to 1/65535;
-/// [`super::invalid_texels`] counts such texels.
+/// [`super::invalid_texels`] counts such texels, except those that lossy storage explains.
 ///
 /// The length is kept: after a filtered lookup has averaged diverging normals, it is below one.
 #[inline(always)]

@@ -237,6 +237,13 @@ fn an_object_space_map_and_a_photograph_are_told_apart() {
     assert_eq!(is_normal_map(&bitmap(noise)), NormalMapKind::No);
     let codes = Texels::U8([[0, 0, 127, 255], [9, 9, 128, 255], [0; 4], [1, 1, 255, 255]].to_vec());
     assert_eq!(invalid_texels(&Bitmap::new(2, 2, 3, codes).unwrap()), 2);
+    let codes =
+        Texels::U8([[0, 128, 127, 255], [255, 128, 120, 255], [128, 248, 80, 255], [128; 4]].to_vec());
+    assert_eq!(
+        invalid_texels(&Bitmap::new(2, 2, 3, codes).unwrap()),
+        1,
+        "the first two are nearly in the surface"
+    );
     let floats = Texels::F32(vec![[0.5, 0.5, 0.5, 1.0], [0.5, 0.5, f32::NAN, 1.0], [0.5, 0.5, 0.51, 1.0]]);
     assert_eq!(invalid_texels(&Bitmap::new(3, 1, 3, floats).unwrap()), 2);
 }

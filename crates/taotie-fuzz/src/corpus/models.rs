@@ -23,12 +23,12 @@ const MIXED: &str = "mtllib a.mtl\no x\nv 0 0 0 .1 .2 .3\nv 1 0 0\nv 1 1 0 1\nv 
 const FACETS: &str = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\n\
     endfacet\nfacet normal 0 1 0\nouter loop\nvertex 0 0 0\nvertex 0 0 1\nvertex 1 0 0\nendloop\nendfacet\nendsolid a\n";
 
-/// A PLY with colours, UVs at corners, polygons and strips.
-const PLY: &str = "ply\nformat ascii 1.0\ncomment TextureFile a.png\nelement vertex 4\nproperty float x\nproperty float y\n\
+/// A PLY with colours, UVs at corners, textures of faces, polygons and strips.
+const PLY: &str = "ply\nformat ascii 1.0\ncomment TextureFile a.png\ncomment TextureFile a.png\nelement vertex 4\nproperty float x\nproperty float y\n\
     property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nelement face 2\n\
-    property list uchar int vertex_indices\nproperty list uchar float texcoord\nelement tristrips 1\n\
+    property list uchar int vertex_indices\nproperty list uchar float texcoord\nproperty int texnumber\nelement tristrips 1\n\
     property list int int vertex_indices\nend_header\n0 0 0 1 2 3\n1 0 0 1 2 3\n1 1 0 1 2 3\n0 1 0 1 2 3\n\
-    4 0 1 2 3 8 0 0 1 0 1 1 0 1\n3 0 1 2 6 0 0 1 0 1 1\n5 0 1 2 -1 3\n";
+    4 0 1 2 3 8 0 0 1 0 1 1 0 1 1\n3 0 1 2 6 0 0 1 0 1 1 0\n5 0 1 2 -1 3\n";
 
 /// Returns all scans.
 pub fn scans() -> Vec<Seed> {

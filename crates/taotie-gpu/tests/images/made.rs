@@ -76,6 +76,8 @@ fn masks_and_panes_look_as_on_the_processor() {
     let Some(gpu) = gpu() else { return };
     near("panes", scenes::panes()).check(&gpu);
     near("panes under a sky", scenes::panes()).under_sky().check(&gpu);
+    near("glass", scenes::glass()).check(&gpu);
+    near("glass under a sky", scenes::glass()).under_sky().check(&gpu);
 }
 
 #[test]

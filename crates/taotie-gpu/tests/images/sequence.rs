@@ -2,6 +2,8 @@
 
 use crate::compared::{Difference, View, gpu, lit};
 use crate::{finishes, scenes};
+use std::sync::Mutex;
+use std::time::Instant;
 use taotie_engine::Progress;
 use taotie_engine::film::{Development, ToneCurve, develop8};
 use taotie_engine::math::Vec3;
@@ -108,4 +110,27 @@ fn the_measure_finds_what_is_wrong() {
     };
     let Difference { mean, outliers, .. } = Difference::of(&image(0.3), &image(0.33));
     assert!(mean > 0.5 && outliers > 0.001, "{mean} {outliers}");
+}
+
+/// Samples are reported when they are done, not when they are submitted, so that a progress bar shows the work.
+#[test]
+fn progress_follows_the_work() {
+    let Some(gpu) = gpu() else { return };
+    let view = bosses().with(|settings| settings.samples = 16);
+    let prepared = view.prepared();
+    let mut renderer = GpuRenderer::new(&gpu, &prepared).unwrap();
+    // The first image also compiles the shaders.
+    renderer.render(&view.shot(), Progress::SILENT).unwrap();
+    let (start, heard) = (Instant::now(), Mutex::new(Vec::new()));
+    let listener = |_: &'static str, done: f64| {
+        heard.lock().unwrap().push((done, start.elapsed().as_secs_f64()));
+        true
+    };
+    renderer.render(&view.shot(), Progress::new(&listener)).unwrap();
+    let (heard, whole) = (heard.into_inner().unwrap(), start.elapsed().as_secs_f64());
+    assert!(heard.len() > 16 && heard.is_sorted_by(|a, b| a.0 <= b.0), "{heard:?}");
+    assert_eq!(heard.last().unwrap().0, 1.0);
+    let (_, at) = *heard.iter().find(|(done, _)| *done >= 0.5).unwrap();
+    // A fast GPU needs most of its time for reading the image back.
+    assert!(whole < 0.2 || at > 0.2 * whole, "half of the work after {at} s of {whole} s");
 }

@@ -6,6 +6,7 @@ use super::limits::{
 };
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader};
 use png::{BitDepth, ColorType, Decoder, DecodingError, Transformations};
+use std::borrow::Cow;
 use std::io::Cursor;
 use taotie_engine::image::{Bitmap, Texels};
 
@@ -40,7 +41,46 @@ pub(super) fn decode(
     limits.max_alloc = Some(MAX_TEXELS * 16);
     decoder.set_limits(limits).map_err(failure)?;
     let picture = DynamicImage::from_decoder(decoder).map_err(failure)?;
-    bitmap_from(picture)
+    let bitmap = bitmap_from(picture)?;
+    let is_opaque = matches!(bitmap.channels(), 1 | 3);
+    let file =
+        stored_file(bytes, format).filter(|file| is_opaque && file.len() as u64 <= bitmap.texels().bytes());
+    Ok(match file {
+        Some(file) => bitmap.with_file(file.into()),
+        None => bitmap,
+    })
+}
+
+/// Returns a file that every browser decodes to the same picture, up to rounding: WebP without metadata, or JPEG,
+/// from which metadata are removed: orientations and colour profiles are not applied to textures. `None` for others.
+fn stored_file(bytes: &[u8], format: ImageFormat) -> Option<Cow<'_, [u8]>> {
+    match format {
+        ImageFormat::WebP => matches!(bytes.get(12..16)?, b"VP8 " | b"VP8L").then_some(Cow::Borrowed(bytes)),
+        ImageFormat::Jpeg => jpeg_without_metadata(bytes).map(Cow::Owned),
+        _ => None,
+    }
+}
+
+/// Returns a JPEG without comments and application data, except those of JFIF and Adobe, which concern its colours;
+/// `None` unless it has one or three components.
+fn jpeg_without_metadata(bytes: &[u8]) -> Option<Vec<u8>> {
+    let mut kept = bytes.get(..2)?.to_vec();
+    let mut at = 2;
+    loop {
+        let [0xff, marker, high, low] = *bytes.get(at..)?.first_chunk::<4>()? else { return None };
+        let segment = bytes.get(at..at + 2 + usize::from(u16::from_be_bytes([high, low])))?;
+        match marker {
+            0xc0..=0xc2 if !matches!(segment.get(9)?, 1 | 3) => return None,
+            0xc0..=0xc2 | 0xc4 | 0xdb | 0xdd | 0xe0 | 0xee => kept.extend_from_slice(segment),
+            0xda => {
+                kept.extend_from_slice(bytes.get(at..)?);
+                return Some(kept);
+            }
+            0xe1..=0xef | 0xfe => (),
+            _ => return None,
+        }
+        at += segment.len();
+    }
 }
 
 fn failure(error: ImageError) -> Failure {

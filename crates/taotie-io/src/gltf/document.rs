@@ -5,7 +5,7 @@ use super::draco;
 use super::extensions::check_extensions;
 use super::raw::{parsed_size, split};
 use super::resources::{Buffers, Supplied, Supply};
-use crate::json::broken;
+use crate::json::{EXTRAS, as_integer, broken, parse_members, parse_tolerant};
 use crate::reading::{Reading, Reason, no_such};
 use crate::xmp;
 use gltf::json::{self, Root, Value};
@@ -51,7 +51,7 @@ impl Document {
             reading.check()?;
         }
         let format = if blob.is_some() { "GLB" } else { "glTF" };
-        let Parsed { root, animations, xmp, coverages } = parse(path, &text)?;
+        let Parsed { root, animations, xmp, coverages } = parse(path, &text, warnings)?;
         let json_bytes = text.len() as u64;
         // Its memory is counted for the contents of data URIs.
         drop(text);
@@ -101,7 +101,7 @@ impl Document {
 }
 
 /// Rejects a scene with too many nodes.
-fn check_nodes(reading: &Reading, count: u64) -> Result<()> {
+pub(super) fn check_nodes(reading: &Reading, count: u64) -> Result<()> {
     let most = reading.limits().nodes;
     match count > most {
         true => Err(Error::limit(
@@ -122,19 +122,23 @@ struct Parsed {
     coverages: Coverages,
 }
 
-fn parse(path: &Path, text: &[u8]) -> Result<Parsed> {
+fn parse(path: &Path, text: &[u8], warnings: &mut Warnings) -> Result<Parsed> {
     let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
     let wrong = |e: &json::Error| broken(path, e);
-    let mut value: Value = json::deserialize::from_slice(text).map_err(|e| wrong(&e))?;
-    check_version(path, &value)?;
+    let (mut value, root) = match parse_directly(text) {
+        Some((rest, root)) => (rest, Some(root)),
+        // Something is wrong, or may be missing; the error is reported with its place.
+        None => (json::deserialize::from_slice(text).map_err(|e| wrong(&e))?, None),
+    };
+    check_version(path, &value, warnings)?;
     let (xmp, coverages) = (xmp::packets(&value), coverages_of(&value));
     tidy(&mut value);
-    let animations = value.as_object_mut().and_then(|root| root.remove("animations"));
+    let animations = value.as_object_mut().and_then(|root| root.remove(ANIMATIONS));
     let animations = match animations {
         Some(Value::Array(animations)) => animations,
         _ => Vec::new(),
     };
-    let root = json::deserialize::from_value(value).map_err(|e| {
+    let root = root.map_or_else(|| json::deserialize::from_value(value), Ok).map_err(|e| {
         // Parsing the text again gives the line of the error, which a value does not have.
         match json::deserialize::from_slice::<Root>(text) {
             Err(placed) => wrong(&placed),
@@ -144,17 +148,46 @@ fn parse(path: &Path, text: &[u8]) -> Result<Parsed> {
     Ok(Parsed { root, animations, xmp, coverages })
 }
 
-fn check_version(path: &Path, value: &Value) -> Result<()> {
+/// Parses the text into its types, and the members that [`parse`] reads in another way into a value. `None` if this
+/// needs more tolerance, or fails.
+fn parse_directly(text: &[u8]) -> Option<(Value, Root)> {
+    /// The members that are read from the value, and the one with the application data of nodes.
+    const MEMBERS: [&str; 5] = ["asset", "extensions", "externalAssets", ANIMATIONS, "nodes"];
+    let has_coverages = std::str::from_utf8(text).ok()?.contains(COVERAGE);
+    let members = if has_coverages { &MEMBERS[..] } else { &MEMBERS[..MEMBERS.len() - 1] };
+    let (rest, root) = rayon::join(|| parse_members(text, members), || parse_tolerant(text, ANIMATIONS));
+    Some((rest.ok()?, root.ok()?))
+}
+
+/// The member of the document that holds its animations.
+const ANIMATIONS: &str = "animations";
+
+/// The member of a node's application data that holds the screen coverages of its levels (MSFT_screencoverage).
+const COVERAGE: &str = "MSFT_screencoverage";
+
+/// Rejects other versions than 2.0 and 2.1, and the part of 2.1 that is not read.
+///
+/// A file without `minVersion` can be read as 2.0 (glTF 2.0, 3.2). Of 2.1, shapes, bounding volumes and thumbnails do
+/// not change a picture.
+fn check_version(path: &Path, value: &Value, warnings: &mut Warnings) -> Result<()> {
     let asset = |key: &str| value.get("asset").and_then(|a| a.get(key)).and_then(Value::as_str);
     let version = asset("version")
         .ok_or_else(|| Error::parse(path, "asset", "asset.version is missing; is this glTF 2.0?"))?;
-    let needed = asset("minVersion").unwrap_or(version);
-    if !version.starts_with("2.") || (needed != "2.0" && asset("minVersion").is_some()) {
-        return Err(Error::unsupported(
-            format!("{}: glTF version {needed}", path.display()),
+    let least = asset("minVersion");
+    let unsupported = |what: &str, remedy: &str| {
+        Err(Error::unsupported(format!("{}: {what}", path.display()), remedy.to_owned()))
+    };
+    if !version.starts_with("2.") || least.is_some_and(|least| !matches!(least, "2.0" | "2.1")) {
+        return unsupported(
+            &format!("glTF version {}", least.unwrap_or(version)),
             "save the model as glTF 2.0",
-        ));
+        );
     }
+    let external = value.get("externalAssets").and_then(Value::as_array).map_or(0, Vec::len);
+    if external > 0 && least == Some("2.1") {
+        return unsupported("external assets of glTF 2.1", "merge them into one file");
+    }
+    warnings.note("skipped external assets of glTF 2.1", external);
     Ok(())
 }
 
@@ -172,13 +205,13 @@ fn tidy(root: &mut Value) {
 fn tidy_value(value: &mut Value) {
     match value {
         Value::Object(members) => {
-            members.remove("extras");
+            members.remove(EXTRAS);
             members.values_mut().for_each(tidy_value);
         }
         Value::Array(items) => items.iter_mut().for_each(tidy_value),
         Value::Number(number) if number.is_f64() => {
-            if let Some(v) = number.as_f64().filter(|v| *v >= 0.0 && *v < 9e15 && v.floor() == *v) {
-                *value = Value::from(v as u64);
+            if let Some(integer) = number.as_f64().and_then(as_integer) {
+                *value = Value::from(integer);
             }
         }
         _ => {}
@@ -192,7 +225,7 @@ type Coverages = BTreeMap<usize, Vec<f32>>;
 /// shown (MSFT_screencoverage).
 fn coverages_of(json: &Value) -> Coverages {
     let of_node = |node: &Value| -> Option<Vec<f32>> {
-        let parts = node.pointer("/extras/MSFT_screencoverage")?.as_array()?;
+        let parts = node.get(EXTRAS)?.get(COVERAGE)?.as_array()?;
         let part =
             |part: &Value| part.as_f64().filter(|part| (0.0..=1.0).contains(part)).map(|part| part as f32);
         parts.iter().map(part).collect()
@@ -231,13 +264,38 @@ mod tests {
     fn versions_and_required_extensions() {
         assert!(error(b"{}").contains("asset.version"));
         assert!(error(br#"{"asset":{"version":"1.0"}}"#).contains("version 1.0"));
-        assert!(error(br#"{"asset":{"version":"2.0","minVersion":"2.1"}}"#).contains("version 2.1"));
+        assert!(error(br#"{"asset":{"version":"2.2","minVersion":"2.2"}}"#).contains("version 2.2"));
+        assert_eq!(error(br#"{"asset":{"version":"2.1","minVersion":"2.1"},"scenes":[{}]}"#), "");
+        let external = br#"{"asset":{"version":"2.1","minVersion":"2.1"},"externalAssets":[{"file":0}]}"#;
+        assert!(error(external).contains("external assets"));
         let required = br#"{"asset":{"version":"2.0"},"extensionsRequired":["KHR_texture_nobody"]}"#;
         assert!(error(required).contains("KHR_texture_nobody"));
         assert_eq!(
             error(b"\xef\xbb\xbf{\"asset\":{\"version\":\"2.0\",\"extras\":[1.5]},\"scenes\":[{}]}"),
             ""
         );
+    }
+
+    #[test]
+    fn direct_parsing_equals_that_through_a_value() {
+        let read = |scene: &str| {
+            let text = format!(
+                r#"{{"asset":{{"version":"2.0","extras":[]}},"scenes":[{scene}],"nodes":[{{"mesh":0.0,
+                "extras":{{"MSFT_screencoverage":[0.5,0.1]}}}}],"materials":[{{"pbrMetallicRoughness":
+                {{"roughnessFactor":1.0}},"extensions":{{"X":{{"animations":[4.0],"extras":1}}}},"extras":{{}}}}],
+                "animations":[{{"channels":7}}],"extensions":{{"KHR_xmp_json_ld":{{"packets":[{{"a":1}}]}}}}}}"#
+            );
+            let is_direct = parse_directly(text.as_bytes()).is_some();
+            let parsed = parse(Path::new("m.gltf"), text.as_bytes(), &mut Warnings::default()).unwrap();
+            let Parsed { root, animations, xmp, coverages } = parsed;
+            (is_direct, serde_json::json!([root, animations, xmp]), coverages)
+        };
+        let (direct, of_value) = (read(r#"{"nodes":[]}"#), read("{}"));
+        assert!(direct.0 && !of_value.0, "a scene without nodes needs more tolerance");
+        assert_eq!((&direct.1, &direct.2), (&of_value.1, &of_value.2));
+        assert_eq!(direct.2.len(), 1);
+        let material = &direct.1[0]["materials"][0]["extensions"]["X"];
+        assert_eq!(material, &serde_json::json!({ "animations": [4] }));
     }
 
     #[test]

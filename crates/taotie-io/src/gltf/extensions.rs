@@ -9,7 +9,10 @@ use taotie_engine::scene::LAYERS;
 /// The extension of Draco-compressed primitives.
 pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
 
-/// The glTF extensions that are rendered: first those of layers.
+/// The extension that shows a node's mesh several times.
+pub(crate) const INSTANCING: &str = "EXT_mesh_gpu_instancing";
+
+/// The glTF extensions that are read: first those of layers.
 pub const GLTF_EXTENSIONS: [&str; LAYERS.len() + OTHERS.len()] = {
     let (mut all, mut i) = ([""; LAYERS.len() + OTHERS.len()], 0);
     while i < all.len() {
@@ -19,8 +22,8 @@ pub const GLTF_EXTENSIONS: [&str; LAYERS.len() + OTHERS.len()] = {
     all
 };
 
-/// The rendered extensions that are not layers of materials.
-const OTHERS: [&str; 13] = [
+/// Those that are not layers of materials.
+const OTHERS: [&str; 14] = [
     "KHR_lights_punctual",
     "KHR_texture_transform",
     "KHR_mesh_quantization",
@@ -28,6 +31,7 @@ const OTHERS: [&str; 13] = [
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
     "KHR_materials_variants",
+    INSTANCING,
     "EXT_texture_avif",
     "EXT_texture_webp",
     "KHR_texture_basisu",
@@ -42,6 +46,10 @@ pub(crate) const OF_TEXTURES: [&str; 3] = ["EXT_texture_avif", "EXT_texture_webp
 /// Extensions that do not affect an image with the default materials: the finest level of detail is drawn, and the
 /// channels of KHR_animation_pointer are skipped with a separate warning.
 const WITHOUT_EFFECT: [&str; 4] = ["KHR_xmp", "KHR_xmp_json_ld", "KHR_animation_pointer", "MSFT_lod"];
+
+/// Layers that are kept in written files, but not drawn.
+const NOT_DRAWN: [&str; 3] =
+    ["KHR_materials_volume", "KHR_materials_iridescence", "KHR_materials_dispersion"];
 
 /// Returns `true` if an extension is supported, or has no effect.
 pub(crate) fn is_known(name: &str) -> bool {
@@ -82,6 +90,9 @@ pub(super) fn check_extensions(path: &Path, root: &Root, warnings: &mut Warnings
     }
     for (name, feature) in root.extensions_used.iter().filter_map(|name| lacking(name)) {
         warnings.note(format!("ignored extension {name}; the crate feature `{feature}` supports it"), 1);
+    }
+    for name in root.extensions_used.iter().filter(|name| NOT_DRAWN.contains(&name.as_str())) {
+        warnings.note(format!("{name} is kept, but not drawn"), 1);
     }
     for name in root.extensions_used.iter().filter(|name| !known(name)) {
         warnings.note(format!("ignored extension {name}"), 1);

@@ -160,7 +160,7 @@ fn turned(i: usize, window: &[u32]) -> [u32; 3] {
 }
 
 /// Returns the vertices used by triangles, in ascending order, and the triangles re-indexed to them.
-pub(super) fn compact(mut triangles: Vec<[u32; 3]>, count: usize) -> (Vec<u32>, Vec<[u32; 3]>) {
+pub(crate) fn compact(mut triangles: Vec<[u32; 3]>, count: usize) -> (Vec<u32>, Vec<[u32; 3]>) {
     let corners = triangles.as_flattened();
     if corners.len() < count / 4 {
         // A small part of a large shared array: time and memory must depend only on the part.

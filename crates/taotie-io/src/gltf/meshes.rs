@@ -105,11 +105,21 @@ impl Builder<'_> {
             self.built.insert(key, parts);
         }
         // A skin places the mesh in the world: the node's own transform is ignored (glTF 2.0, 3.7.3.3).
-        let hangs_on = json.skin.is_none().then_some(node);
-        let world = hangs_on.map_or(Mat4::IDENTITY, |node| self.nodes.world[node]);
-        for (mesh, material) in &self.built[&key] {
-            self.out.instances.push(Instance { mesh: *mesh, material: *material, world_from_object: world });
-            self.out.nodes.push(hangs_on);
+        let is_placed = json.skin.is_none();
+        let placed = self.nodes.instances.get(&node).cloned().unwrap_or(node..node + 1);
+        let parts = &self.built[&key];
+        let reading = &self.document.reading;
+        if !reading.take((placed.len() * parts.len() * size_of::<(Instance, Option<usize>)>()) as u64) {
+            reading.check()?;
+        }
+        for node in placed {
+            let hangs_on = is_placed.then_some(node);
+            let world = hangs_on.map_or(Mat4::IDENTITY, |node| self.nodes.world[node]);
+            for (mesh, material) in parts {
+                let instance = Instance { mesh: *mesh, material: *material, world_from_object: world };
+                self.out.instances.push(instance);
+                self.out.nodes.push(hangs_on);
+            }
         }
         Ok(())
     }

@@ -22,7 +22,8 @@ mod textures;
 
 pub(super) use content::{Content, StoredAttribute, StoredVertices, missing_tangents};
 pub use extensions::GLTF_EXTENSIONS;
-pub(super) use extensions::{OF_TEXTURES, is_known};
+pub(super) use extensions::{INSTANCING, OF_TEXTURES, is_known};
+pub(super) use geometry::compact;
 pub use raw::{GltfSource, StoredImage, StoredParts};
 pub(super) use raw::{RawGltf, image_bytes, uses};
 pub use statistics::{ContentSize, GltfSizes, ImageSize};
@@ -50,6 +51,13 @@ pub(super) fn read(reading: &Arc<Reading>) -> Result<Loaded> {
     let mut warnings = Warnings::default();
     let document = Document::open(reading, &mut warnings)?;
     finest(&document, warnings)
+}
+
+/// Reads a file like [`read`], and its bytes by content.
+pub(super) fn read_with_sizes(reading: &Arc<Reading>) -> Result<(Loaded, GltfSizes)> {
+    let mut warnings = Warnings::default();
+    let document = Document::open(reading, &mut warnings)?;
+    Ok((finest(&document, warnings)?, statistics::sizes_of(&document)))
 }
 
 /// Reads the bytes of a GLB that refers to no files, at its finest level of detail.

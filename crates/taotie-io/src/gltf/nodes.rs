@@ -1,14 +1,17 @@
-//! The node hierarchy: world matrices, levels of detail (MSFT_lod), the nodes that the scene shows, the cameras and
-//! lights (KHR_lights_punctual) that these place in the world, and the animations that move nodes.
+//! The node hierarchy: world matrices, levels of detail (MSFT_lod), the nodes that the scene shows, the instances
+//! (EXT_mesh_gpu_instancing), cameras and lights (KHR_lights_punctual) that these place in the world, and the animations
+//! that move nodes.
 
 use super::accessor::Accessor;
-use super::document::Document;
+use super::document::{Document, check_nodes};
+use super::extensions::INSTANCING;
 use crate::reading::{Reason, no_such};
 use gltf::json::animation::{Interpolation as JsonInterpolation, Property};
 use gltf::json::extensions::scene::khr_lights_punctual::{Light as JsonLight, Type as LightType};
 use gltf::json::validation::Checked;
 use gltf::json::{self, Value};
 use std::collections::{HashMap, HashSet};
+use std::ops::Range;
 use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::math::{Mat4, Vec3};
 use taotie_engine::scene::animation::{
@@ -24,9 +27,11 @@ const LEVELS: &str = "MSFT_lod";
 
 /// The hierarchy, resolved.
 pub(super) struct Nodes {
-    /// Every node of the file, without morph weights.
+    /// Every node of the file, without morph weights, followed by one for each instance of a node's mesh.
     pub nodes: Vec<Node>,
-    /// World matrix of every node in the file.
+    /// The nodes of the instances of each node that has any.
+    pub instances: HashMap<usize, Range<usize>>,
+    /// World matrix of each of [`Self::nodes`].
     pub world: Vec<Mat4>,
     /// The nodes of the shown scene, parents before children.
     pub shown: Vec<usize>,
@@ -40,7 +45,8 @@ impl Nodes {
     /// Resolves the hierarchy of `document` at a level of detail; 0 is the finest.
     ///
     /// # Errors
-    /// Fails if a node is its own ancestor, a referenced node does not exist, or a transform is not finite.
+    /// Fails if a node is its own ancestor, a referenced node does not exist, a transform is not finite, or instances
+    /// cannot be read.
     pub fn resolve(document: &Document, level: usize, warnings: &mut Warnings) -> Result<Self> {
         if !document.reading.take(document.root.nodes.len() as u64 * NODE) {
             document.reading.check()?;
@@ -48,18 +54,19 @@ impl Nodes {
         let mut parents = parents(document, warnings)?;
         let levels = Levels::read(document, level, warnings);
         levels.hang(&mut parents);
-        let nodes = (0..parents.len())
+        let mut nodes = (0..parents.len())
             .map(|n| {
                 let local = local_transform(document, n, warnings)?;
                 Ok(Node { parent: parents[n], local, weights: Vec::new() })
             })
             .collect::<Result<Vec<_>>>()?;
+        let shown = shown(document, &parents, &levels)?;
+        let instances = add_instances(document, &shown, &mut nodes, warnings)?;
         let world = world_matrices(&nodes).map_err(|error| match error {
             Error::Invalid { what, why } => document.error(what, why),
             other => other,
         })?;
-        let shown = shown(document, &parents, &levels)?;
-        Ok(Self { nodes, world, shown, levels: levels.count, coverage: levels.coverage })
+        Ok(Self { nodes, instances, world, shown, levels: levels.count, coverage: levels.coverage })
     }
 }
 
@@ -121,6 +128,89 @@ fn from_parts(node: &json::Node, warnings: &mut Warnings) -> Transform {
     let zero = rotation == [0.0; 4];
     warnings.note("zero-length rotations; treated as identity", usize::from(zero));
     Transform::parts(translation, rotation, scale)
+}
+
+/// Adds a node for each instance of the meshes of the `shown` nodes; returns those of each node.
+///
+/// Source: EXT_mesh_gpu_instancing.
+fn add_instances(
+    document: &Document,
+    shown: &[usize],
+    nodes: &mut Vec<Node>,
+    warnings: &mut Warnings,
+) -> Result<HashMap<usize, Range<usize>>> {
+    let mut ranges = HashMap::new();
+    for node in shown.iter().copied() {
+        let json = &document.root.nodes[node];
+        let extension = json.extensions.as_ref().and_then(|extensions| extensions.others.get(INSTANCING));
+        let Some(extension) = extension.filter(|_| json.mesh.is_some()) else { continue };
+        if json.skin.is_some() {
+            warnings.note("skinned meshes with instances; drawn once", 1);
+            continue;
+        }
+        let wrong = |why: String| document.error(at(node), format!("{INSTANCING}: {why}"));
+        let Some(instances) = Instances::open(document, extension).map_err(wrong)? else { continue };
+        let first = nodes.len();
+        check_nodes(&document.reading, (first + instances.count) as u64)?;
+        if !document.reading.take(instances.count as u64 * NODE) {
+            document.reading.check()?;
+        }
+        for i in 0..instances.count {
+            let local = instances.transform(i);
+            if !local.matrix().is_finite() {
+                return Err(wrong(format!("the transform of instance {i} is not finite")));
+            }
+            nodes.push(Node { parent: Some(node), local, weights: Vec::new() });
+        }
+        ranges.insert(node, first..nodes.len());
+    }
+    Ok(ranges)
+}
+
+/// The transforms of the instances of a mesh; `None` for parts that are the same in all.
+struct Instances<'a> {
+    count: usize,
+    translation: Option<Accessor<'a>>,
+    rotation: Option<Accessor<'a>>,
+    scale: Option<Accessor<'a>>,
+}
+
+impl<'a> Instances<'a> {
+    /// Opens the attributes; returns `None` if there are none about transforms.
+    fn open(document: &'a Document, extension: &Value) -> Reason<Option<Self>> {
+        let attributes =
+            extension.get("attributes").and_then(Value::as_object).ok_or("missing attributes")?;
+        let mut count = None;
+        let mut open = |name: &str, width: usize| -> Reason<Option<Accessor<'a>>> {
+            let Some(index) = attributes.get(name) else { return Ok(None) };
+            let index = index.as_u64().ok_or_else(|| format!("{name} is not an accessor"))?;
+            let accessor =
+                Accessor::open(document, index as usize).map_err(|why| format!("{name}: {why}"))?;
+            if accessor.width != width {
+                return Err(format!("{name} must have {width} numbers per instance, not {}", accessor.width));
+            }
+            match count.replace(accessor.count) {
+                Some(other) if other != accessor.count => {
+                    Err(format!("{name} has {} elements, but other attributes {other}", accessor.count))
+                }
+                _ => Ok(Some(accessor)),
+            }
+        };
+        let (translation, rotation, scale) =
+            (open("TRANSLATION", 3)?, open("ROTATION", 4)?, open("SCALE", 3)?);
+        Ok(count.map(|count| Self { count, translation, rotation, scale }))
+    }
+
+    /// Returns the transform of instance `i`.
+    fn transform(&self, i: usize) -> Transform {
+        let vector = |of: &Accessor<'_>| Vec3::from_array(of.floats(i)).to_f64();
+        let rotation = self.rotation.as_ref().map(|of| of.floats(i).map(f64::from));
+        Transform::parts(
+            self.translation.as_ref().map_or(Vec3::splat(0.0), vector),
+            rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]),
+            self.scale.as_ref().map_or(Vec3::splat(1.0), vector),
+        )
+    }
 }
 
 /// Returns the nodes of the default scene, else of the first, else all trees, replaced according to the level of
@@ -314,6 +404,8 @@ const MAX_NUMBERS_OF_SMALL: usize = 1 << 22;
 /// warning; an animation without any is kept, so that it can be chosen. `nodes` have their morph weights.
 pub(super) fn animations(document: &Document, nodes: &[Node], warnings: &mut Warnings) -> Vec<Animation> {
     let mut budget = MAX_NUMBERS_OF_SMALL + MAX_NUMBERS_PER_BYTE * document.total_bytes();
+    // Those of instances are not the file's.
+    let nodes = &nodes[..document.root.nodes.len()];
     let mut animations = Vec::new();
     for (i, json) in document.animations.iter().enumerate() {
         let name = json.get("name").and_then(Value::as_str).unwrap_or_default().to_owned();

@@ -154,7 +154,7 @@ const MORPH_TARGETS: &str = "morph targets";
 const OF_DRACO: &str = "Draco";
 
 /// Returns the bytes of a document by content.
-fn sizes_of(document: &Document) -> GltfSizes {
+pub(super) fn sizes_of(document: &Document) -> GltfSizes {
     let accessors = accessors(document);
     let stored = stored_bytes(document, &accessors);
     let on_gpu = gpu_bytes(document, &accessors);

@@ -187,7 +187,8 @@ pub(super) struct FaceElement<'a> {
 impl FaceElement<'_> {
     /// Returns all faces as one block if they are triangles with only indices; else `None`.
     pub fn triangles(&self, wanted: &Wanted) -> Option<Block> {
-        let plain = !self.strips && !wanted.splits() && wanted.lack_normals.is_empty();
+        let plain =
+            !self.strips && !wanted.splits() && wanted.textures == 0 && wanted.lack_normals.is_empty();
         let triangles = plain.then(|| self.rows.triangles(wanted.positions.len()))??;
         Some(Block { faces: triangles.len(), triangles, ..Block::default() })
     }
@@ -204,6 +205,8 @@ pub(super) struct Wanted<'a> {
     pub uvs: bool,
     /// `true` if faces have their own colours.
     pub colors: bool,
+    /// The number of textures, if faces have the number of theirs; else 0.
+    pub textures: usize,
 }
 
 impl Wanted<'_> {
@@ -224,6 +227,8 @@ pub(super) struct Block {
     pub colors: Vec<[f32; 4]>,
     /// Triangles as indices of vertices, or of corners if these have their own data.
     pub triangles: Vec<[u32; 3]>,
+    /// The number of the texture of each triangle, or [`UNTEXTURED`], if wanted.
+    pub textures: Vec<u32>,
     /// The number of faces.
     pub faces: usize,
     /// The number of faces with fewer than three corners.
@@ -275,12 +280,26 @@ impl Block {
             self.error.get_or_insert_with(why);
             return;
         }
+        let texture = match wanted.textures {
+            0 => Ok(UNTEXTURED),
+            count => row.texture(count),
+        };
+        let texture = match texture {
+            Ok(texture) => texture,
+            Err(why) => {
+                self.error.get_or_insert((self.faces - 1, why));
+                return;
+            }
+        };
         if wanted.splits() {
             let first = self.corners.len() as u32;
             self.add_corners(corners, row, wanted);
             self.cut(corners, wanted.positions, |i| first + i, scratch);
         } else {
             self.cut(corners, wanted.positions, |i| corners[i as usize], scratch);
+        }
+        if wanted.textures > 0 {
+            self.textures.resize(self.triangles.len(), texture);
         }
     }
 
@@ -331,6 +350,9 @@ struct Scratch {
     triangles: Vec<[u32; 3]>,
 }
 
+/// The texture number of faces without a texture.
+pub(super) const UNTEXTURED: u32 = u32::MAX;
+
 /// The current row.
 struct Row {
     /// Vertex indices; a negative one is `u32::MAX`.
@@ -338,11 +360,13 @@ struct Row {
     /// u and v for each corner, or empty.
     uvs: Vec<f32>,
     color: [f32; 4],
+    /// The texture's number as stored.
+    texture: f64,
 }
 
 impl Default for Row {
     fn default() -> Self {
-        Self { corners: Vec::new(), uvs: Vec::new(), color: [1.0; 4] }
+        Self { corners: Vec::new(), uvs: Vec::new(), color: [1.0; 4], texture: 0.0 }
     }
 }
 
@@ -361,8 +385,22 @@ impl Row {
                 self.uvs.extend(values.numbers().map(|v| v as f32));
             }
             Role::Slot(slot) if wanted.colors => self.color[slot - slot::COLOR] = attribute(slot, values),
+            Role::Texture => self.texture = values.number(),
             _ => {}
         })
+    }
+
+    /// Returns the number of the texture, below `count`; [`UNTEXTURED`] for −1, as MeshLab writes it.
+    fn texture(&self, count: usize) -> std::result::Result<u32, String> {
+        let number = self.texture;
+        if number == -1.0 {
+            Ok(UNTEXTURED)
+        } else if number >= 0.0 && number < count as f64 && number.fract() == 0.0 {
+            Ok(number as u32)
+        } else {
+            let why = format!("texnumber {number} is out of range: the header names {count} texture files");
+            Err(format!("{why}; fix the file"))
+        }
     }
 
     /// Returns the triangles of strips, which are separated by negative indices; every second one of a strip is

@@ -95,6 +95,8 @@ pub(super) enum Role {
     Corners,
     /// A uv for each corner of a face.
     Uvs,
+    /// The number of the face's texture.
+    Texture,
 }
 
 /// Returns the slot of a vertex property, by the common names.
@@ -129,6 +131,7 @@ pub(super) fn role(element: &str, name: &str, data_type: &PropertyType) -> std::
     let slot = match (element, name) {
         ("face" | "tristrips", "vertex_indices" | "vertex_index") if is_list => return Ok(Role::Corners),
         ("face" | "tristrips", "texcoord") if is_list => return Ok(Role::Uvs),
+        ("face", "texnumber") if !is_list => return Ok(Role::Texture),
         ("face" | "tristrips", "vertex_indices" | "vertex_index" | "texcoord") => {
             return Err(format!("property {name} must be a list; re-export the mesh"));
         }
@@ -161,6 +164,8 @@ pub(super) struct Attributes {
     pub colors: Option<ColorCode>,
     /// A colour per face.
     pub face_colors: Option<ColorCode>,
+    /// A texture number per face.
+    pub face_textures: bool,
 }
 
 impl Attributes {
@@ -175,8 +180,15 @@ impl Attributes {
             uvs: has(slot::UV..slot::COLOR),
             colors: color_code(&vertex),
             face_colors: color_code(&face),
+            face_textures: header.elements.get("face").is_some_and(names_textures),
         }
     }
+}
+
+/// Returns true if each face has the number of its texture.
+fn names_textures(element: &ElementDef) -> bool {
+    let of = |name: &str, property: &PropertyType| role(&element.name, name, property);
+    element.properties.iter().any(|(name, property)| of(name, &property.data_type) == Ok(Role::Texture))
 }
 
 /// The declaration of each slot: `None` if absent, else its colour encoding.

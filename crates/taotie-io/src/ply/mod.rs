@@ -11,6 +11,7 @@ mod payload;
 
 use super::bitmap::{read_map, texture};
 use super::file;
+use super::gltf::compact;
 use super::loaded::{Loaded, checked};
 use super::obj::neutral;
 use super::reading::{Reading, find};
@@ -21,17 +22,19 @@ use payload::Element;
 use ply_rs_bw::ply::{Encoding as PayloadEncoding, Header};
 use std::path::Path;
 use taotie_engine::error::{Error, Result, Warnings};
+use taotie_engine::groups::Groups;
 use taotie_engine::image::{Encoding, Sampler, Texture};
 use taotie_engine::math::{Mat4, Vec3};
 use taotie_engine::mesh::{Mesh, MeshData, first};
 use taotie_engine::parallel;
-use taotie_engine::scene::{Instance, Scene, SceneData, TextureRef, UvTransform};
+use taotie_engine::scene::{Instance, Material, Scene, SceneData, TextureRef, UvTransform};
 
-/// Reads a PLY file into one mesh.
+/// Reads a PLY file into one mesh, or one for each texture.
 ///
 /// Colours stored as integers are taken as sRGB-encoded, colours stored as floats as linear. Uvs come from vertices
-/// (`s t`, `u v`, `texture_u texture_v`) or from a `texcoord` list per face, with the origin bottom left; a `comment
-/// TextureFile` specifies the base colour texture. Normals are absent if the file has none, or if some are invalid.
+/// (`s t`, `u v`, `texture_u texture_v`) or from a `texcoord` list per face, with the origin bottom left. Each `comment
+/// TextureFile` specifies a base colour texture, and `texnumber` that of a face; without it, the first is used. Normals
+/// are absent if the file has none, or if some are invalid.
 ///
 /// # Errors
 /// [`taotie_engine::Error::Io`] if the file cannot be read, [`taotie_engine::Error::Parse`] if its header or payload
@@ -42,26 +45,41 @@ pub(super) fn read(reading: &Reading) -> Result<Loaded> {
     let mut bytes = file::read(path)?;
     let (header, start, line) = read_header(path, &mut bytes)?;
     let elements = locate(path, &header, &bytes[start..], line)?;
-    let mesh = build(path, &elements, &mut warnings)?;
-    let mut material = neutral("");
-    if !mesh.colors().is_empty() {
-        material.base_color = [1.0; 4];
+    let names = texture_names(&header, path);
+    if !elements.attributes.face_textures {
+        let more = names.len().saturating_sub(1);
+        warnings.note("ignored texture files beyond the first, since faces lack texnumber", more);
     }
-    let has_uvs = !mesh.uvs().is_empty();
-    let instance = Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY };
-    let mut parts = SceneData { meshes: vec![mesh], instances: vec![instance], ..SceneData::default() };
+    let parts = build(path, &elements, names.len(), &mut warnings)?;
     let mut loaded = Loaded::new(Scene::default(), warnings, "PLY");
-    if has_uvs
-        && let Some(name) = texture_name(&header, &mut loaded.warnings)
-        && let Some(texture) = load_texture(reading, name, &mut loaded)
-    {
-        material.base_color = [1.0; 4];
-        material.base_color_texture = Some(whole_texture());
-        parts.textures.push(texture);
+    let mut scene = SceneData::default();
+    let is_divided = parts.len() > 1;
+    for Part { texture, mesh } in parts {
+        let name = texture.and_then(|number| names.get(number)).filter(|_| !mesh.uvs().is_empty());
+        let mut material = match name {
+            Some(name) => textured(reading, name, &mut scene, &mut loaded),
+            None => neutral(""),
+        };
+        if !is_divided {
+            material.name.clear();
+        }
+        if !mesh.colors().is_empty() {
+            material.base_color = [1.0; 4];
+        }
+        let number = scene.meshes.len();
+        scene.instances.push(Instance { mesh: number, material: number, world_from_object: Mat4::IDENTITY });
+        scene.materials.push(material);
+        scene.meshes.push(mesh);
     }
-    parts.materials.push(material);
-    loaded.scene = checked(path, parts)?;
+    loaded.scene = checked(path, scene)?;
     Ok(loaded)
+}
+
+/// The faces with the same texture.
+struct Part {
+    /// The number of the texture in the header; `None` for faces without one.
+    texture: Option<usize>,
+    mesh: Mesh,
 }
 
 /// The drawable elements.
@@ -99,8 +117,9 @@ fn locate<'a>(path: &Path, header: &Header, payload: &'a [u8], line: usize) -> R
     Ok(elements)
 }
 
-/// Builds the mesh. Vertices are split if faces give them different uvs or colours.
-fn build(path: &Path, elements: &Elements, warnings: &mut Warnings) -> Result<Mesh> {
+/// Builds a mesh for each of the header's `textures` in use. Vertices are split if faces give them different uvs or
+/// colours.
+fn build(path: &Path, elements: &Elements, textures: usize, warnings: &mut Warnings) -> Result<Vec<Part>> {
     let vertices = read_vertices(path, elements)?;
     let attributes = &elements.attributes;
     let with_uvs: usize = elements.faces.iter().filter(|f| !f.strips).map(|f| f.rows.with_uvs).sum();
@@ -110,7 +129,9 @@ fn build(path: &Path, elements: &Elements, warnings: &mut Warnings) -> Result<Me
         lack_normals: &lack_normals,
         uvs: with_uvs > 0,
         colors: attributes.colors.is_none() && attributes.face_colors.is_some(),
+        textures: if attributes.face_textures { textures } else { 0 },
     };
+    let divided_by = wanted.textures;
     let mut gathered = Gathered::new(path, &wanted);
     for element in &elements.faces {
         if let Some(block) = element.triangles(&wanted) {
@@ -123,7 +144,7 @@ fn build(path: &Path, elements: &Elements, warnings: &mut Warnings) -> Result<Me
             .blocks(|rows| Block::read(rows, element.strips, &wanted), |block| gathered.take(block))?;
     }
     gathered.finish(with_uvs, vertices.positions.len(), warnings)?;
-    let Gathered { triangles, splitter, without_normal, .. } = gathered;
+    let Gathered { triangles, textures: numbers, splitter, without_normal, .. } = gathered;
     let mut data = match splitter {
         Some(splitter) => split(vertices, splitter, attributes),
         None => plain(vertices),
@@ -132,9 +153,48 @@ fn build(path: &Path, elements: &Elements, warnings: &mut Warnings) -> Result<Me
         data.normals.clear();
     }
     data.triangles = triangles;
-    let mesh = Mesh::new(data)?;
-    warnings.note("triangles without area", mesh.degenerate_triangles());
-    Ok(mesh)
+    let parts = match divided_by {
+        0 => vec![(Some(0), data)],
+        count => by_texture(data, &numbers, count),
+    };
+    let mut built = Vec::new();
+    for (texture, data) in parts {
+        let mesh = Mesh::new(data)?;
+        warnings.note("triangles without area", mesh.degenerate_triangles());
+        built.push(Part { texture, mesh });
+    }
+    Ok(built)
+}
+
+/// Divides a mesh by the textures of its triangles, in the order of the header; triangles without a texture are last.
+fn by_texture(data: MeshData, numbers: &[u32], count: usize) -> Vec<(Option<usize>, MeshData)> {
+    let entries =
+        || numbers.iter().map(|number| (*number as usize).min(count)).zip(data.triangles.iter().copied());
+    let groups = Groups::new(count + 1, entries);
+    let texture = |group: usize| (group < count).then_some(group);
+    let used: Vec<usize> = (0..groups.count()).filter(|group| !groups.of(*group).is_empty()).collect();
+    if let [only] = used[..] {
+        return vec![(texture(only), data)];
+    }
+    let part = |group: usize| {
+        let (vertices, triangles) = compact(groups.of(group).to_vec(), data.positions.len());
+        let vertices = || vertices.iter().map(|vertex| *vertex as usize);
+        let part = MeshData {
+            positions: gather(&data.positions, vertices()),
+            normals: gather(&data.normals, vertices()),
+            uvs: data.uvs.iter().map(|uvs| gather(uvs, vertices())).collect(),
+            colors: gather(&data.colors, vertices()),
+            triangles,
+            ..MeshData::default()
+        };
+        (texture(group), part)
+    };
+    used.into_iter().map(part).collect()
+}
+
+/// Returns the values of these vertices; empty if there are no values.
+fn gather<T: Copy>(values: &[T], vertices: impl Iterator<Item = usize>) -> Vec<T> {
+    if values.is_empty() { Vec::new() } else { vertices.map(|vertex| values[vertex]).collect() }
 }
 
 fn read_vertices(path: &Path, elements: &Elements) -> Result<Vertices> {
@@ -167,6 +227,8 @@ fn cloud(path: &Path, points: usize) -> Error {
 struct Gathered<'a> {
     path: &'a Path,
     triangles: Vec<[u32; 3]>,
+    /// The number of the texture of each triangle, if wanted.
+    textures: Vec<u32>,
     splitter: Option<Splitter>,
     faces: usize,
     too_few: usize,
@@ -179,6 +241,7 @@ impl<'a> Gathered<'a> {
         Self {
             path,
             triangles: Vec::new(),
+            textures: Vec::new(),
             splitter: wanted.splits().then(|| Splitter::new(wanted)),
             faces: 0,
             too_few: 0,
@@ -199,6 +262,7 @@ impl<'a> Gathered<'a> {
                 self.triangles.extend(triangles.map(|t| t.map(|i| splitter.index(&block, i as usize))));
             }
         }
+        self.textures.append(&mut block.textures);
         self.faces += block.faces;
         self.too_few += block.too_few;
         self.crossing += block.crossing;
@@ -234,14 +298,11 @@ fn plain(vertices: Vertices) -> MeshData {
 
 /// Returns the vertices as split by faces.
 fn split(vertices: Vertices, splitter: Splitter, attributes: &Attributes) -> MeshData {
-    fn gather<T: Copy>(from: &[T], splitter: &Splitter) -> Vec<T> {
-        if from.is_empty() { Vec::new() } else { splitter.vertices().map(|v| from[v]).collect() }
-    }
     let mut data = plain(Vertices {
-        positions: gather(&vertices.positions, &splitter),
-        normals: gather(&vertices.normals, &splitter),
-        uvs: gather(&vertices.uvs, &splitter),
-        colors: gather(&vertices.colors, &splitter),
+        positions: gather(&vertices.positions, splitter.vertices()),
+        normals: gather(&vertices.normals, splitter.vertices()),
+        uvs: gather(&vertices.uvs, splitter.vertices()),
+        colors: gather(&vertices.colors, splitter.vertices()),
     });
     if splitter.uvs {
         data.uvs = vec![splitter.own_uvs().map(|[u, v]| upright(u, v)).collect()];
@@ -257,18 +318,32 @@ fn unit(normal: Vec3) -> Vec3 {
     normal.to_f64().normalize_or(Vec3::new(0.0, 0.0, 1.0)).to_f32()
 }
 
-/// Returns the texture file specified by a comment in the header.
-fn texture_name<'a>(header: &'a Header, warnings: &mut Warnings) -> Option<&'a str> {
-    let mut names = header.comments.iter().filter_map(|c| c.trim().strip_prefix("TextureFile"));
-    let first = names.next()?.trim();
-    warnings.note("ignored texture files beyond the first", names.count());
-    Some(first)
+/// Returns the texture files specified by comments in the header. MeshLab's `<this>` is the name of the model without
+/// its extension, so that `<this>_A.png` in `vase.ply` is `vase_A.png`.
+fn texture_names(header: &Header, path: &Path) -> Vec<String> {
+    const THIS: &str = "<this>";
+    let names = header.comments.iter().filter_map(|comment| comment.trim().strip_prefix("TextureFile"));
+    let file = |name: &str| match name.to_ascii_lowercase().find(THIS) {
+        Some(at) => {
+            let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+            [&name[..at], &stem, &name[at + THIS.len()..]].concat()
+        }
+        None => name.to_owned(),
+    };
+    names.map(|name| file(name.trim())).collect()
 }
 
-/// Returns a reference to the only texture, unscaled.
-fn whole_texture() -> TextureRef {
-    let (sampler, transform) = (Sampler::default(), UvTransform::default());
-    TextureRef { texture: 0, uv_set: 0, sampler, transform }
+/// Returns a material of the name and with the texture of the file `name` next to the model; failures are noted.
+fn textured(reading: &Reading, name: &str, scene: &mut SceneData, loaded: &mut Loaded) -> Material {
+    let mut material = neutral(name);
+    if let Some(texture) = load_texture(reading, name, loaded) {
+        let (sampler, transform) = (Sampler::default(), UvTransform::default());
+        scene.textures.push(texture);
+        let texture = scene.textures.len() - 1;
+        material.base_color = [1.0; 4];
+        material.base_color_texture = Some(TextureRef { texture, uv_set: 0, sampler, transform });
+    }
+    material
 }
 
 /// Reads the file `name` next to the model; failures are noted.

@@ -1,5 +1,6 @@
 //! Files that are packed as a whole keep all their contents.
 
+use crate::gltf_read::instanced;
 use crate::{common, files};
 #[cfg(feature = "webp")]
 use std::sync::Arc;
@@ -232,4 +233,16 @@ fn packed_files_are_valid() {
         let new: Vec<&String> = new.collect();
         assert!(new.is_empty(), "{}: {new:#?}", path.display());
     }
+}
+
+#[test]
+fn instances_stay_where_they_are() {
+    let (maker, nodes) = instanced(r#"{"TRANSLATION":1,"ROTATION":2}"#, "");
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.gltf");
+    std::fs::write(&path, maker.text(&nodes)).unwrap();
+    let own = load_model(&path).unwrap();
+    let packer = GltfPacker::open(GltfSource::File(&path), &Limits::default()).unwrap();
+    let (_, loaded) = packed(&packer, PackedGeometry::default(), &[]);
+    assert_eq!((own.scene.instances().len(), loaded.scene.instances()), (3, own.scene.instances()));
 }

@@ -208,6 +208,75 @@ fn node_transforms_multiply_down_the_tree() {
     assert!((p - v(1.0, 14.0, 3.0).to_f64()).length() < 1e-6, "{p:?}");
 }
 
+/// A file of a triangle whose node, moved by 10 along x, has instances with these attributes; accessor 1 moves three
+/// instances along y, 2 turns them by normalised 16-bit numbers, 3 scales them.
+pub fn instanced(attributes: &str, rest: &str) -> (Maker, String) {
+    let mut maker = triangle();
+    maker.floats(&[0.0, 1.0, 0.0, 0.0, 2.0, 0.0, 0.0, 3.0, 0.0], "VEC3");
+    let half_turn = [0i16, 0, i16::MAX, 0].map(i16::to_le_bytes).concat();
+    maker.accessor(&half_turn.repeat(3), (3, 5122, "VEC4"), r#","normalized":true"#);
+    maker.floats(&[2.0; 9], "VEC3");
+    maker.floats(&[1.0; 6], "VEC3");
+    let nodes = format!(
+        r#""extensionsUsed":["EXT_mesh_gpu_instancing"],"extensionsRequired":["EXT_mesh_gpu_instancing"],
+        "nodes":[{{"mesh":0,"translation":[10,0,0],
+            "extensions":{{"EXT_mesh_gpu_instancing":{{"attributes":{attributes}}}}}}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}]{rest}"#
+    );
+    (maker, nodes)
+}
+
+#[test]
+fn instances_of_a_mesh_are_placed_below_its_node() {
+    let all = r#"{"TRANSLATION":1,"ROTATION":2,"SCALE":3,"_ID":9}"#;
+    let (maker, nodes) = instanced(all, "");
+    let loaded = maker.load(&nodes);
+    assert!(loaded.warnings.is_empty());
+    assert_eq!((loaded.scene.meshes().len(), loaded.scene.triangle_count()), (1, 3));
+    let corner = v(1.0, 0.0, 0.0).to_f64();
+    for (i, instance) in loaded.scene.instances().iter().enumerate() {
+        // Doubled, turned by 180° about z, moved.
+        let p = instance.world_from_object.transform_point(corner);
+        assert!((p - v(8.0, 1.0 + i as f32, 0.0).to_f64()).length() < 1e-4, "{i}: {p:?}");
+    }
+    let (maker, nodes) = instanced(r#"{"SCALE":3}"#, "");
+    assert_eq!(maker.load(&nodes).scene.instances().len(), 3);
+    let (maker, nodes) = instanced(r#"{"_ID":1}"#, "");
+    assert_eq!(maker.load(&nodes).scene.instances().len(), 1, "without transforms, it is shown once");
+}
+
+#[test]
+fn instances_move_with_their_node() {
+    let (mut maker, nodes) = instanced(
+        r#"{"TRANSLATION":1}"#,
+        r#","animations":[{"channels":[{"sampler":0,"target":{"node":0,"path":"translation"}},
+            {"sampler":0,"target":{"node":1,"path":"translation"}}],"samplers":[{"input":5,"output":6}]}]"#,
+    );
+    maker.floats(&[0.0, 1.0], "SCALAR");
+    maker.floats(&[0.0, 0.0, 0.0, 0.0, 0.0, 5.0], "VEC3");
+    let loaded = maker.load(&nodes);
+    let rig = loaded.rig.as_ref().expect("it is animated");
+    assert_eq!(rig.data().animations[0].channels.len(), 1, "instances are not nodes of the file");
+    assert_eq!(rig.data().instances, [Some(1), Some(2), Some(3)]);
+    assert_eq!(warned(&loaded, "skipped channels"), 1);
+}
+
+#[test]
+fn malformed_instances_are_refused() {
+    for (attributes, why) in [
+        (r#"{"TRANSLATION":9}"#, "TRANSLATION: accessor 9 does not exist"),
+        (r#"{"TRANSLATION":2}"#, "TRANSLATION must have 3 numbers per instance, not 4"),
+        (r#"{"ROTATION":1}"#, "ROTATION must have 4 numbers"),
+        (r#"{"TRANSLATION":1,"SCALE":4}"#, "SCALE has 2 elements, but other attributes 3"),
+        (r#"{"SCALE":"x"}"#, "SCALE is not an accessor"),
+        ("[]", "missing attributes"),
+    ] {
+        let (maker, nodes) = instanced(attributes, "");
+        let error = maker.try_load(&nodes).unwrap_err();
+        assert!(error.contains("node 0: EXT_mesh_gpu_instancing: ") && error.contains(why), "{error}");
+    }
+}
+
 #[test]
 fn cycles_and_double_parents() {
     let rest = |nodes: &str| {

@@ -3,14 +3,16 @@
 use crate::{common, files, rich};
 use std::path::{Path, PathBuf};
 use taotie_engine::Warnings;
-use taotie_engine::image::{Encoding, Texture};
+use taotie_engine::image::{Bitmap, Encoding, Sampler, Texels, Texture};
 use taotie_engine::math::{Mat4, Vec3};
 use taotie_engine::mesh::Mesh;
 use taotie_engine::scene::{
-    Camera, Classic, Falloff, GreenChannel, Instance, Light, LightKind, Material, NormalSpace, Projection,
-    Scene, SceneData, TextureRef,
+    Camera, Classic, Falloff, GreenChannel, Instance, Light, LightKind, Material, NormalMap, NormalSpace,
+    Projection, Scene, SceneData, TextureRef, UvTransform,
 };
-use taotie_io::{GltfFormat, load_model, write_scene};
+use taotie_io::{
+    GltfFormat, ImageCodec, decode_bitmap, encode_jpeg_bitmap, encode_scene_as, load_model, write_scene,
+};
 
 /// The error of rounding to 32 bits and of a product of two rounded numbers, relative to the largest number.
 const ROUNDING: f64 = 1e-6;
@@ -284,4 +286,37 @@ fn a_mesh_shown_in_two_materials_shares_its_numbers() {
     });
     data.instances.push(Instance { material: data.materials.len() - 1, ..data.instances[0] });
     assert!(size(&data, "two.glb") < one + 2000);
+}
+
+/// Returns a JPEG, and the same one with a place and an orientation in its metadata.
+fn jpegs() -> [Vec<u8>; 2] {
+    let texels = (0..4096u32).map(|i| [(i % 64) as u8, (i / 64) as u8, 255, 255]).collect();
+    let plain = encode_jpeg_bitmap(&Bitmap::new(64, 64, 3, Texels::U8(texels)).unwrap(), 90).unwrap();
+    let metadata = b"\xff\xe1\0\x0eExif\0\0secret";
+    let (start, rest) = plain.split_at(2);
+    let with_metadata = [start, metadata, rest].concat();
+    [plain, with_metadata]
+}
+
+#[test]
+fn a_page_stores_the_files_of_textures_without_their_metadata() {
+    let [plain, file] = jpegs();
+    let bitmap = decode_bitmap(&file, "a.jpg", Path::new("a.jpg")).unwrap();
+    let mut scene = Scene::of_mesh(Mesh::sphere(1.0, 8, 4), Material::default()).unwrap();
+    let texture = scene.add_texture(Texture::new(bitmap, Encoding::Normal));
+    let used =
+        TextureRef { texture, uv_set: 0, sampler: Sampler::default(), transform: UvTransform::default() };
+    let glb = |green: GreenChannel, for_page: bool| {
+        let mut shown = scene.clone();
+        let map = NormalMap { texture: used, scale: 1.0, green, space: NormalSpace::Tangent };
+        shown.edit(|data| data.materials[0].normal = Some(map)).unwrap();
+        let format = GltfFormat { images: ImageCodec::WebP.into(), for_page, ..GltfFormat::default() };
+        encode_scene_as(&shown, &[], &format, &mut Warnings::default()).unwrap()
+    };
+    let holds = |glb: &[u8], part: &[u8]| glb.windows(part.len()).any(|found| found == part);
+    let page = glb(GreenChannel::Up, true);
+    assert!(holds(&page, &plain) && holds(&page, b"image/jpeg") && !holds(&page, b"secret"));
+    for changed in [glb(GreenChannel::Down, true), glb(GreenChannel::Up, false)] {
+        assert!(!holds(&changed, &plain) && holds(&changed, b"image/webp"));
+    }
 }

@@ -145,13 +145,71 @@ fn ply_names_its_texture() {
     let loaded = load_model(&path).expect("a valid file");
     assert_eq!(loaded.missing_files, ["my skin.png"]);
     assert!(loaded.scene.materials()[0].base_color_texture.is_none());
-    let mut picture = Vec::new();
-    let encoder = png::Encoder::new(&mut picture, 1, 1);
-    encoder.write_header().and_then(|mut w| w.write_image_data(&[7])).expect("an image");
-    std::fs::write(folder.path().join("my skin.png"), picture).expect("a file");
+    std::fs::write(folder.path().join("my skin.png"), image_of(7)).expect("a file");
     let loaded = load_model(&path).expect("a valid file");
     assert!(loaded.scene.materials()[0].base_color_texture.is_some_and(|t| t.texture == 0));
     assert_eq!(loaded.texture_names, ["my skin.png"]);
+}
+
+fn image_of(grey: u8) -> Vec<u8> {
+    let mut picture = Vec::new();
+    let encoder = png::Encoder::new(&mut picture, 1, 1);
+    encoder.write_header().and_then(|mut w| w.write_image_data(&[grey])).expect("an image");
+    picture
+}
+
+/// Two squares with an edge in common, as MeshLab writes them: each with a texture number.
+fn with_textures(numbers: [i32; 2], files: &[&str]) -> Vec<u8> {
+    let vertices = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n2 0 0\n2 1 0";
+    let face = "list uchar int vertex_indices, list uchar float texcoord, int texnumber";
+    let faces =
+        format!("4 0 1 2 3 8 0 0 1 0 1 1 0 1 {}\n4 1 4 5 2 8 0 0 1 0 1 1 0 1 {}", numbers[0], numbers[1]);
+    let comments: String = files.iter().map(|file| format!("comment TextureFile {file}\n")).collect();
+    let text = String::from_utf8(ply("", vertices, face, &faces)).expect("text");
+    text.replace("1.0\n", &format!("1.0\n{comments}")).into_bytes()
+}
+
+#[test]
+fn ply_faces_are_grouped_by_texture() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("vase.ply");
+    for (name, grey) in [("vase_A.png", 10), ("b.png", 200)] {
+        std::fs::write(folder.path().join(name), image_of(grey)).expect("a file");
+    }
+    let files = ["<this>_A.png", "b.png", "c.png"];
+    let load = |numbers: [i32; 2]| {
+        std::fs::write(&path, with_textures(numbers, &files)).expect("a file");
+        load_model(&path).expect("a valid file")
+    };
+    let loaded = load([1, 0]);
+    let scene = &loaded.scene;
+    assert_eq!(loaded.texture_names, ["vase_A.png", "b.png"], "in the order of the header");
+    assert!(loaded.warnings.is_empty() && loaded.missing_files.is_empty());
+    let names: Vec<&str> = scene.materials().iter().map(|material| material.name.as_str()).collect();
+    assert_eq!(names, ["vase_A.png", "b.png"]);
+    let shown = scene.instances().iter().map(|instance| {
+        let (mesh, material) = (&scene.meshes()[instance.mesh], &scene.materials()[instance.material]);
+        let texture = material.base_color_texture.expect("a texture").texture;
+        (mesh.positions()[0].x, mesh.positions().len(), mesh.triangles().len(), texture)
+    });
+    assert_eq!(shown.collect::<Vec<_>>(), [(1.0, 4, 2, 0), (0.0, 4, 2, 1)]);
+
+    let loaded = load([-1, 2]);
+    assert_eq!(loaded.missing_files, ["c.png"], "only files in use are opened");
+    assert_eq!(
+        loaded.warnings.iter().next().map(|(what, count)| (what.contains("'c.png'"), count)),
+        Some((true, 1))
+    );
+    assert!(loaded.scene.materials().iter().all(|material| material.base_color_texture.is_none()));
+    assert_eq!(load([1, 1]).scene.meshes().len(), 1);
+}
+
+#[test]
+fn ply_texture_numbers_are_checked() {
+    let of = |numbers| error("a.ply", &with_textures(numbers, &["a.png", "b.png"]));
+    assert!(of([0, 2]).contains("face 1: texnumber 2 is out of range"));
+    assert!(of([-2, 0]).contains("face 0: texnumber -2 is out of range"));
+    assert!(load("a.ply", &with_textures([7, 7], &[])).is_ok(), "numbers of no textures have no meaning");
 }
 
 #[test]

@@ -25,6 +25,23 @@ function complaintsOf(asset) {
   return [...(asset.error ? [asset.error] : []), ...(asset.unmet ?? [])];
 }
 
+/** The number of characters of warnings that are shown without a click. */
+const SHORT = 160;
+
+/**
+ * The warnings of an asset as a list, which is closed if it is long.
+ * @param {Asset} asset
+ * @returns {HTMLElement[]}
+ */
+function warningsOf(asset) {
+  const warnings = asset.warnings ?? [];
+  if (!warnings.length) return [];
+  const title = warnings.length === 1 ? "1 warning" : `${warnings.length} warnings`;
+  const isShort = warnings.join("").length <= SHORT;
+  const list = el("ul", {}, ...warnings.map((text) => el("li", {}, text)));
+  return [el("details", { class: "warnings", ...(isShort ? { open: "" } : {}) }, el("summary", {}, title), list)];
+}
+
 /**
  * @param {Asset} asset
  */
@@ -65,15 +82,15 @@ function cardOf(asset, key) {
     return [el("div", {}, name, el("dd", {}, figure.text(value)))];
   });
   const name = nameOf(asset);
-  const warned = asset.warnings?.length ?? 0;
   return el(
     "li",
     { class: "card" },
     plateOf(asset),
     el("h2", {}, name),
     ...(name === asset.id ? [] : note("id", asset.id)),
-    el("div", {}, markOfState(asset), ...(warned ? [` ${warned === 1 ? "1 warning" : warned + " warnings"}`] : [])),
+    el("div", {}, markOfState(asset)),
     ...complaintsOf(asset).flatMap((text) => note("why", text)),
+    ...warningsOf(asset),
     ...(facts.length ? [el("dl", {}, ...facts)] : []),
     el("div", { class: "links" }, ...linksOf(asset)),
   );

@@ -29,5 +29,5 @@ function rowOf(asset) {
     return el("td", { class: "numeric" }, value === undefined ? MISSING : figure.text(value));
   });
   const complaints = complaintsOf(asset).join("; ");
-  return el("tr", {}, el("td", {}, name), el("td", {}, markOfState(asset)), ...figures, el("td", { class: "why" }, complaints));
+  return el("tr", {}, el("td", {}, name), el("td", {}, markOfState(asset)), ...figures, el("td", { class: "why" }, complaints, ...warningsOf(asset)));
 }

@@ -9,7 +9,7 @@ use taotie::comparison::{
 use taotie_engine::{Error, Result};
 
 /// Version of `report.json`.
-pub const SCHEMA: u32 = 3;
+pub const SCHEMA: u32 = 4;
 
 /// The content of `report.json`.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -212,7 +212,7 @@ fn texts_of_figures(summary: Option<&Summary>) -> [String; 4] {
 
 /// Returns a row for each comparison of a picture: with another surface under the same shading model, and with the
 /// same surface under the baseline.
-fn pictures_csv(report: &Document) -> Csv<11> {
+fn pictures_csv(report: &Document) -> Csv<12> {
     let mut csv = Csv::new([
         "method",
         "shading",
@@ -225,6 +225,7 @@ fn pictures_csv(report: &Document) -> Csv<11> {
         "flip_median",
         "flip_p95",
         "flip_max",
+        "pixels",
     ]);
     for method in &report.methods {
         for (names, figures) in compared(report, method) {
@@ -250,11 +251,12 @@ fn compared<'a>(
 }
 
 /// Returns the cells of a comparison; equal pictures have no PSNR because it is infinite.
-fn picture_row(names: [&str; 4], figures: &PictureFigures) -> [String; 11] {
+fn picture_row(names: [&str; 4], figures: &PictureFigures) -> [String; 12] {
     let [method, shading, against_method, against_shading] = names.map(str::to_owned);
     let [mean, median, p95, max] = texts_of_figures(figures.flip.as_ref());
     let [rmse, psnr, ssim] = [Some(figures.rmse), figures.psnr, Some(figures.ssim)].map(number);
-    [method, shading, against_method, against_shading, rmse, psnr, ssim, mean, median, p95, max]
+    let pixels = figures.pixels.to_string();
+    [method, shading, against_method, against_shading, rmse, psnr, ssim, mean, median, p95, max, pixels]
 }
 
 /// Returns a row for each sample point and method.

@@ -244,7 +244,10 @@ fn picture_table(report: &Document, i: usize) -> Section {
     };
     Section::Table {
         title: format!("Shaded pictures, {}", report.methods[0].pictures[i].shading),
-        note: format!("Compared with {}, over the whole picture.", report.against),
+        note: format!(
+            "Compared with {}, over the pixels that show either, not the background.",
+            report.against
+        ),
         columns: [vec![Column::words("method")], picture_columns()].concat(),
         rows: report.methods.iter().filter_map(row).collect(),
     }
@@ -263,7 +266,8 @@ fn model_table(report: &Document) -> Option<Section> {
     Some(Section::Table {
         title: format!("Shading models against {baseline}"),
         note: format!(
-            "Each surface's picture compared with its picture under {baseline}, over the whole picture."
+            "Each surface's picture compared with its picture under {baseline}, over the pixels that show the surface, \
+             not the background."
         ),
         columns: [vec![Column::words("method"), Column::words("shading")], picture_columns()].concat(),
         rows: rows.collect(),

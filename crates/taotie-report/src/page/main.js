@@ -21,8 +21,10 @@
  *   frontier: [number, number][]
  * }} Plot
  * @typedef {{ title: string, paragraphs: string[] }} Prose
+ * @typedef {{ title: string, note: string, code: string }} Code
  * @typedef {{ title: string, note: string, notices: Notice[] }} Notices
- * @typedef {{ text: Prose } | { table: Table } | { histogram: Histogram } | { plot: Plot } | { notices: Notices }} Section
+ * @typedef {{ text: Prose } | { code: Code } | { table: Table } | { histogram: Histogram } | { plot: Plot } |
+ *   { notices: Notices }} Section
  * @typedef {{ title: string, note: string, columns: Column[], rows: Cell[][] }} PlainTable
  * @typedef {{
  *   title: string, verdict: Notice, facts: { name: string, value: string }[], tables: PlainTable[], command_note: string,
@@ -71,6 +73,11 @@ function sectionOf(section) {
   if ("table" in section) return tableOf(section.table);
   if ("histogram" in section) return histogramOf(section.histogram);
   if ("plot" in section) return plotOf(section.plot);
+  if ("code" in section) {
+    const { title, note: about, code } = section.code;
+    const text = el("pre", { class: "command", tabindex: "0" }, el("code", {}, code));
+    return el("section", { class: "code" }, el("h2", {}, title), ...note("note", about), text);
+  }
   if ("notices" in section) {
     const { title, note: about, notices } = section.notices;
     const list = el("ul", { class: "notices" }, ...notices.map(noticeOf));

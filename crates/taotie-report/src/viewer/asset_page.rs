@@ -113,6 +113,10 @@ fn texture_bytes(scene: &Scene, side: u32) -> u64 {
     /// The side of the levels that are encoded, texels.
     const SAMPLE: u32 = 64;
     let bytes = |texture: &Texture| {
+        let is_whole = texture.width().max(texture.height()) <= side;
+        if let (true, Some(file)) = (is_whole, texture.bitmap().file()) {
+            return file.len() as u64 * 4 / 3;
+        }
         let sample = shrunk(texture, SAMPLE);
         let bitmap = sample.level(0);
         let count = |width: u32, height: u32| f64::from(width) * f64::from(height);

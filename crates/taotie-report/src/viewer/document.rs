@@ -23,9 +23,9 @@ pub(super) fn single_file(title: &str, blobs: &[Blob]) -> String {
     page(title, ["'none'", ALONE], &elements(blobs))
 }
 
-/// The page for a folder, which fetches the files next to it.
-pub(super) fn linked(title: &str) -> String {
-    page(title, ["'self'", BESIDE], "")
+/// The page for a folder, which fetches the files next to it, with elements that contain data.
+pub(super) fn linked(title: &str, data: &str) -> String {
+    page(title, ["'self'", BESIDE], data)
 }
 
 /// A report with the element as its first view.
@@ -46,8 +46,9 @@ fn page(title: &str, [sources, element]: [&str; 2], data: &str) -> String {
 /// Allows only this style sheet and this script. The mesh decoder is compiled from bytes in the script.
 fn policy(sources: &str) -> String {
     let [style, script] = [STYLE, SCRIPT].map(sha256);
+    let pictures = if sources == "'self'" { "'self' " } else { "" };
     format!(
-        "default-src 'none'; img-src data: blob:; connect-src {sources}; style-src 'sha256-{style}'; \
+        "default-src 'none'; img-src {pictures}data: blob:; connect-src {sources}; style-src 'sha256-{style}'; \
          script-src 'sha256-{script}' 'wasm-unsafe-eval'; base-uri 'none'; form-action 'none'"
     )
 }
@@ -72,10 +73,18 @@ impl Blob {
         Self { name, bytes }
     }
 
-    /// Returns the element that contains it, compressed.
+    /// Returns the element that contains it, compressed unless it is a picture.
     fn element(&self) -> String {
-        let text = STANDARD.encode(gzip(&self.bytes, self.compression()));
-        format!("<script type=\"application/gzip\" id=\"taotie-{}\">{text}</script>\n", self.name)
+        let (kind, text) = match self.is_picture() {
+            true => ("image/jpeg", STANDARD.encode(&self.bytes)),
+            false => ("application/gzip", STANDARD.encode(gzip(&self.bytes, self.compression()))),
+        };
+        format!("<script type=\"{kind}\" id=\"taotie-{}\">{text}</script>\n", self.name)
+    }
+
+    /// Browsers that cannot unpack anything show the picture.
+    fn is_picture(&self) -> bool {
+        self.name == "still"
     }
 
     fn is_model(&self) -> bool {
@@ -87,12 +96,13 @@ impl Blob {
         if self.is_model() { Compression::fast() } else { Compression::default() }
     }
 
-    /// Returns the file that contains it: models unchanged, everything else compressed.
+    /// Returns the file that contains it: models and pictures unchanged, everything else compressed.
     pub fn file(&self) -> PageFile {
         let (name, bytes) = (self.name, &self.bytes);
-        match self.is_model() {
-            true => PageFile { name: format!("{name}.glb"), bytes: bytes.clone() },
-            false => PageFile { name: format!("{name}.bin"), bytes: gzip(bytes, self.compression()) },
+        match (self.is_model(), self.is_picture()) {
+            (true, _) => PageFile { name: format!("{name}.glb"), bytes: bytes.clone() },
+            (_, true) => PageFile { name: format!("{name}.jpg"), bytes: bytes.clone() },
+            _ => PageFile { name: format!("{name}.bin"), bytes: gzip(bytes, self.compression()) },
         }
     }
 }
@@ -152,8 +162,12 @@ mod tests {
     }
 
     #[test]
-    fn the_model_is_a_separate_file() {
-        let file = Blob::new("asset", vec![1, 2]).file();
-        assert_eq!((file.name.as_str(), file.bytes), ("asset.glb", vec![1, 2]));
+    fn model_and_picture_are_files_as_they_are() {
+        for (name, file_name) in [("asset", "asset.glb"), ("still", "still.jpg")] {
+            let file = Blob::new(name, vec![1, 2]).file();
+            assert_eq!((file.name.as_str(), file.bytes), (file_name, vec![1, 2]));
+        }
+        let element = Blob::new("still", vec![1, 2]).element();
+        assert_eq!(element, "<script type=\"image/jpeg\" id=\"taotie-still\">AQI=</script>\n");
     }
 }

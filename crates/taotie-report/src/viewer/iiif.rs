@@ -13,6 +13,9 @@ use taotie_engine::math::Vec3;
 const SCENE_CONTEXT: &str = "http://iiif.io/api/presentation/4/context.json";
 const CANVAS_CONTEXT: &str = "http://iiif.io/api/presentation/3/context.json";
 
+/// The names of the manifests.
+pub(super) const MANIFESTS: [&str; 2] = ["manifest.json", "manifest-3.json"];
+
 /// The sides of the canvas, whose units have no meaning here.
 const SIDE: u32 = 1000;
 
@@ -20,10 +23,8 @@ const SIDE: u32 = 1000;
 /// first with scenes, cameras and lights, and `manifest-3.json` for version 3.
 pub(super) fn manifests(outline: &Outline, address: &str) -> [PageFile; 2] {
     let base = format!("{}/", address.trim_end_matches('/'));
-    [
-        file("manifest.json", &scene_manifest(outline, &base)),
-        file("manifest-3.json", &canvas_manifest(outline, &base)),
-    ]
+    let [of_scene, of_canvas] = MANIFESTS;
+    [file(of_scene, &scene_manifest(outline, &base)), file(of_canvas, &canvas_manifest(outline, &base))]
 }
 
 fn file(name: &str, content: &Value) -> PageFile {

@@ -7,16 +7,19 @@
 mod asset_page;
 mod data;
 mod document;
+mod folder;
 mod iiif;
 mod light;
 mod model;
 mod scan;
+mod still;
 mod surfaces;
 mod views;
 
 pub use asset_page::{AssetSubject, MOST_TEXTURE_SIDE, facts, most_page_bytes};
 pub use data::Subject;
 pub use document::{PageFile, SCRIPT};
+pub use folder::FolderFiles;
 pub use scan::{MOST_TRIANGLES, MeasuredErrors, ScanSubject, scene_to_show};
 pub use views::Bookmark;
 
@@ -42,7 +45,9 @@ impl Viewer {
         let mut warnings = Warnings::default();
         let (data, blobs) = data::data(subject, &mut warnings)?;
         let outline = data.outline();
-        let blobs = std::iter::once(Blob::new("data", data.json())).chain(blobs).collect();
+        let data = Blob::new("data", data.json());
+        let still = still::still(subject, &mut warnings);
+        let blobs = std::iter::once(data).chain(blobs).chain(still).collect();
         Ok(Self { outline, blobs, warnings })
     }
 
@@ -56,16 +61,12 @@ impl Viewer {
         document::within(page, &self.blobs)
     }
 
-    /// Returns the page, `index.html`, followed by the files next to it that it fetches; the model is `asset.glb`.
-    pub fn files(&self) -> Vec<PageFile> {
-        let page =
-            PageFile { name: "index.html".into(), bytes: document::linked(&self.outline.title).into_bytes() };
-        std::iter::once(page).chain(self.blobs.iter().map(Blob::file)).collect()
-    }
-
-    /// Returns the manifests to publish with these files at `address`: `manifest.json` for version 4 of the IIIF
-    /// Presentation API, `manifest-3.json` for version 3.
-    pub fn manifests(&self, address: &str) -> [PageFile; 2] {
-        iiif::manifests(&self.outline, address)
+    /// Returns the page, `index.html`, followed by the files next to it: the model is `asset.glb`, a still picture for
+    /// browsers that cannot draw it `still.jpg`. To be published at `address`, they have manifests of the IIIF
+    /// Presentation API: `manifest.json` for version 4, `manifest-3.json` for version 3. The page lists all of them for
+    /// [`FolderFiles`].
+    pub fn files(&self, address: Option<&str>) -> Vec<PageFile> {
+        let manifests = address.into_iter().flat_map(|address| iiif::manifests(&self.outline, address));
+        folder::with_page(&self.outline.title, self.blobs.iter().map(Blob::file).chain(manifests).collect())
     }
 }

@@ -32,11 +32,11 @@ pub(super) fn glb(prepared: &Prepared, warnings: &mut Warnings) -> Result<Vec<u8
         textures: scene.textures().to_vec(),
         ..SceneData::default()
     })?;
-    // WebP is lossless here, and all browsers support it.
+    // WebP is lossless here, and all browsers support it. Most files of textures are smaller.
     let format = GltfFormat {
         meshopt: true,
         images: ImageCodec::WebP.into(),
-        quick_webp: true,
+        for_page: true,
         ..GltfFormat::default()
     };
     encode_scene_as(&written, &names, &format, warnings)

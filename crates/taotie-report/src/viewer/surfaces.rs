@@ -6,7 +6,7 @@ use serde::Serialize;
 use std::collections::{BTreeMap, HashMap};
 use taotie_engine::names::Named;
 use taotie_engine::render::{PRINTED_BUMP, Prepared, RenderSettings, Surface};
-use taotie_engine::scene::{AlphaMode, Material, NormalSpace, Scene, TextureRef, TextureRole};
+use taotie_engine::scene::{Material, NormalSpace, Scene, TextureRef, TextureRole};
 use taotie_engine::shade::Shading;
 use taotie_engine::surface::SurfaceMethod;
 use taotie_io::sampler_constants;
@@ -75,7 +75,7 @@ impl Drawing<'_> {
         SurfaceData {
             material,
             double_sided: own.double_sided,
-            blended: matches!(own.alpha, AlphaMode::Blend),
+            blended: own.is_blended(),
             best: SurfaceMethod::ALL.iter().position(|method| *method == best).unwrap_or(1),
             drawn: methods.iter().map(|method| number(*method)).collect(),
             normal_matrix: surface.normal_matrix.map(|column| column.to_array()),

@@ -7,8 +7,8 @@ use crate::recorder::{Callee, Recorded, record};
 use crate::variant::{Alpha, Variant};
 use taotie_engine::math::Vec3;
 use taotie_engine::pixel::{
-    EnvironmentTexels, Frame, Geometry, Highlight, MappedNormal, MaterialPoint, NormalInputs, Texel,
-    anisotropy_direction, anisotropy_turn, coat_albedo, coat_highlight, coat_normal, highlight,
+    EnvironmentTexels, Frame, Geometry, Highlight, MappedNormal, MaterialPoint, NormalInputs, PassedLight,
+    Texel, anisotropy_direction, anisotropy_turn, coat_albedo, coat_highlight, coat_normal, highlight,
     is_cook_torrance, lobe_roughness, lobe_slope, mapped_variance, occluded, sheen_albedo, takes_albedos,
 };
 use taotie_engine::shade::dfg::{Dfg, TablePosition};
@@ -36,6 +36,9 @@ pub(super) fn stages(variant: &Variant, angles: &Callee<'_>) -> Vec<Stage> {
     let mut stages = Vec::new();
     if variant.alpha != Alpha::Opaque {
         stages.push(stage(variant, ALPHA, |inputs| vec![inputs.alpha()]));
+    }
+    if variant.transmits {
+        stages.push(stage(variant, PASSED, |inputs| inputs.passed_light()));
     }
     if variant.unlit {
         stages.push(stage(variant, UNLIT, |inputs| inputs.unlit()));
@@ -107,6 +110,15 @@ const ALPHA: Title = Title {
     structure: None,
     feeds: Feeds::Pixel,
     doc: "Opacity, [0, 1]: factor, texture and vertex colour.",
+};
+
+const PASSED: Title = Title {
+    name: "passed_light",
+    symbol: "passed",
+    structure: None,
+    feeds: Feeds::Pixel,
+    doc: "The share of light from behind that passes through a thin surface, at most 0.99.
+Source: KHR_materials_transmission.",
 };
 
 const UNLIT: Title = Title {
@@ -330,6 +342,17 @@ impl<'g> Inputs<'g, '_> {
         if self.variant.vertex_color { alpha * self.texel_of(Texel::ColorAlpha) } else { alpha }
     }
 
+    /// The light that passes through a thin surface.
+    fn passed_light(self) -> Vec<Number<'g>> {
+        let passed = PassedLight {
+            transmission: self.scaled(Texel::Transmission),
+            metallic: self.scaled(Texel::Metallic),
+            base_color: self.tint().mul_elements(self.vector("u.base_color")),
+            f0: self.number("u.dielectric_f0") * self.scaled(Texel::Specular),
+        };
+        vec![passed.share()]
+    }
+
     fn occlusion(self) -> Number<'g> {
         match self.has(Texel::Occlusion) {
             true => occluded(self.texel_of(Texel::Occlusion), self.number("u.occlusion_strength")),
@@ -377,6 +400,7 @@ impl<'g> Inputs<'g, '_> {
         values.extend(sheen_color.to_array());
         values.push(sheen);
         values.push(self.scaled(Texel::Anisotropy));
+        values.push(self.scaled(Texel::Transmission));
         values
     }
 }
@@ -420,7 +444,10 @@ impl<'g> Inputs<'g, '_> {
         let variant = self.variant;
         let (frame, uniforms, values) = (self.frame(), self.uniforms(), self.values());
         let dfg = variant.compensated.then(|| self.lobe_dfg());
-        let point = MaterialPoint::new(variant.shading, &uniforms, &values, dfg);
+        let mut point = MaterialPoint::new(variant.shading, &uniforms, &values, dfg);
+        if variant.transmits {
+            point = point.transmitting(self.number("m.transmission"));
+        }
         let sample = &point.sample;
         let none = self.constant(0.0);
         let (gain, transmitted) =

@@ -113,7 +113,7 @@ const FRAME: [Row; 4] = [
     ("tangent", V, "The direction of the anisotropy, perpendicular to the shading normal."),
 ];
 
-const VALUES: [Row; 13] = [
+const VALUES: [Row; 14] = [
     ("tint", V, "Base colour texture times vertex colour, linear RGB."),
     ("metallic", N, "[0, 1]."),
     ("roughness", N, "Perceptual roughness, widened by subpixel detail, [0, 1]."),
@@ -127,6 +127,7 @@ const VALUES: [Row; 13] = [
     ("sheen_color", V, "Linear RGB in [0, 1]."),
     ("sheen_roughness", N, "The sheen's perceptual roughness, [0, 1]."),
     ("anisotropy", N, "The strength of the anisotropy, [0, 1]."),
+    ("transmission", N, "The share of light that passes through a thin surface, [0, 1]."),
 ];
 
 const POINT: [Row; 31] = [

@@ -2,7 +2,7 @@
 //! entry points.
 
 use super::fetch::textures;
-use super::pixel::{TABLES, reads_tables};
+use super::pixel::{HOST_LIGHTS, TABLES, reads_tables};
 use crate::factors::{fields, transform_names};
 use crate::interface::{
     BufferSlot, Interface, MOST_LEVELS, MOST_LIGHTS, TextureSlot, UniformField, ValueKind, VertexInput,
@@ -219,7 +219,9 @@ fn buffer(slot: &BufferSlot, language: Language) -> String {
         }
         Language::GlslEs => {
             let count = count.map_or(String::new(), |count| format!("[{count}]"));
-            format!("{comment}layout(std140) uniform {block} {{\n    {kind} {name}{count};\n}};\n")
+            let text =
+                format!("{comment}layout(std140) uniform {block} {{\n    {kind} {name}{count};\n}};\n");
+            if *name == "lights" { format!("#ifndef {HOST_LIGHTS}\n{text}#endif\n") } else { text }
         }
     }
 }

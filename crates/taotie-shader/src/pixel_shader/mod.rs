@@ -14,6 +14,7 @@ use bindings::{
     HEADER_GLSL, bindings, entry_points, frame_structure, interface, interpolated, material_structure,
     vertex_glsl,
 };
+use pixel::HOST_LIGHTS;
 use taotie_engine::names::Named;
 
 /// A whole pixel shader.
@@ -34,6 +35,10 @@ pub struct PixelShader {
 /// adds: the visible fraction of light number `light` (an `i32` or `int`) at `position`; `n` is the triangle's
 /// normal.
 ///
+/// In GLSL ES a host may define `HOST_LIGHTS`: then there is no block of lights, and the text calls a function that the
+/// host adds, `vec3 host_lights(SurfacePoint p, vec3 position)`. It returns the radiance from all of its lights, with
+/// shadows, as the sum of `reflect_light` times irradiance.
+///
 /// ```
 /// use taotie_engine::scene::Material;
 /// use taotie_shader::{Language, Variant, VariantOptions, pixel_shader};
@@ -45,7 +50,7 @@ pub struct PixelShader {
 pub fn pixel_shader(variant: &Variant, language: Language) -> PixelShader {
     let program = PixelProgram::new(variant);
     let interface = interface(&program, variant);
-    let glue = glue(&program, variant);
+    let glue = glue(&program, variant, language);
     let formulas = needed(&program, &glue);
     let pieces = [
         header(variant, language),
@@ -55,7 +60,7 @@ pub fn pixel_shader(variant: &Variant, language: Language) -> PixelShader {
         bindings(&interface, language),
         interpolated(&interface, language),
         written_formulas(&formulas, program.program(), language).join("\n"),
-        prototype(variant, language),
+        prototypes(variant, language),
         translated(&glue, language),
         entry_points(&interface, language),
     ];
@@ -65,13 +70,13 @@ pub fn pixel_shader(variant: &Variant, language: Language) -> PixelShader {
 }
 
 /// The text that joins the recorded functions.
-fn glue(program: &PixelProgram, variant: &Variant) -> String {
+fn glue(program: &PixelProgram, variant: &Variant, language: Language) -> String {
     let pieces = [
         fetch::fetches(program, variant),
         fetch::geometry(program),
         pixel::tables(program),
         pixel::environment(program),
-        pixel::pixel(program, variant),
+        pixel::pixel(program, variant, language),
     ];
     joined(&pieces)
 }
@@ -133,13 +138,17 @@ fn header(variant: &Variant, language: Language) -> String {
     }
 }
 
-/// The declaration of the host's function, which GLSL ES requires.
-fn prototype(variant: &Variant, language: Language) -> String {
-    match (variant.shadows && !variant.unlit, language) {
-        (true, Language::GlslEs) => VISIBILITY.into(),
-        _ => String::new(),
+/// The declarations of the host's functions, which GLSL ES requires.
+fn prototypes(variant: &Variant, language: Language) -> String {
+    if variant.unlit || language == Language::Wgsl {
+        return String::new();
     }
+    let visibility = if variant.shadows { VISIBILITY } else { "" };
+    format!("#ifdef {HOST_LIGHTS}\n{LIGHTS}#endif\n{visibility}")
 }
+
+const LIGHTS: &str = "// Linear RGB radiance to the viewer from the host's lights at a position; written by the host.\n\
+     vec3 host_lights(SurfacePoint p, vec3 position);\n";
 
 const VISIBILITY: &str = "// The visible fraction of a light at a position, [0, 1]; written by the host.\n\
      float visibility(int light, vec3 position, vec3 n);\n";

@@ -1,12 +1,13 @@
 //! The function `pixel`, which runs the stages, with lookups in the tables of directional albedos and the environment.
 
+use crate::language::Language;
 use crate::pixel::{PixelProgram, reads};
 use crate::variant::{Alpha, Variant};
 use taotie_engine::pixel::is_cook_torrance;
 use taotie_engine::shade::dfg::{COLUMNS, ROWS};
 
 /// The functions from incident light to the pixel.
-pub(super) fn pixel(pixel: &PixelProgram, variant: &Variant) -> String {
+pub(super) fn pixel(pixel: &PixelProgram, variant: &Variant, language: Language) -> String {
     let incidence = if variant.unlit { "" } else { INCIDENCE };
     let (texels, geometry) = (!pixel.fields("Texels").is_empty(), !pixel.fields("Geometry").is_empty());
     let mut text = format!("{incidence}// Linear RGB radiance to the viewer, and opacity.\n");
@@ -14,9 +15,19 @@ pub(super) fn pixel(pixel: &PixelProgram, variant: &Variant) -> String {
     text += if texels { "    Texels t = texels(i);\n" } else { "" };
     text += if geometry { "    Geometry g = geometry(i, front);\n" } else { "" };
     text += &opacity(pixel, variant);
-    text += &if variant.unlit { unlit(pixel) } else { lit(pixel, variant) };
-    let alpha = if variant.alpha == Alpha::Blend { "alpha" } else { "1.0" };
-    text + &format!("    return vec4(radiance, {alpha});\n}}\n")
+    if variant.transmits {
+        text += &format!("    float passed = {};\n", call(pixel, "passed_light"));
+    }
+    text += &if variant.unlit { unlit(pixel) } else { lit(pixel, variant, language) };
+    let alpha = match (variant.alpha, variant.transmits) {
+        (Alpha::Blend, false) => "alpha",
+        (Alpha::Blend, true) => "alpha * (1.0 - passed)",
+        (_, false) => "1.0",
+        (_, true) => "1.0 - passed",
+    };
+    // Blending multiplies by the opacity, but reflections keep their strength.
+    let radiance = if variant.transmits { "radiance / (1.0 - passed)" } else { "radiance" };
+    text + &format!("    return vec4({radiance}, {alpha});\n}}\n")
 }
 
 fn opacity(pixel: &PixelProgram, variant: &Variant) -> String {
@@ -32,7 +43,7 @@ fn unlit(pixel: &PixelProgram) -> String {
     format!("    vec3 radiance = {};\n", call(pixel, "unlit_color"))
 }
 
-fn lit(pixel: &PixelProgram, variant: &Variant) -> String {
+fn lit(pixel: &PixelProgram, variant: &Variant, language: Language) -> String {
     let table = i32::from(is_cook_torrance(variant.shading));
     let mut text = String::new();
     text += &declared(pixel, "shading_frame", "ShadingFrame f");
@@ -52,8 +63,17 @@ fn lit(pixel: &PixelProgram, variant: &Variant) -> String {
     if variant.environment {
         text += &reflected_environment(pixel);
     }
-    text + &lights(pixel, variant)
+    let lights = lights(pixel, variant);
+    text + &match language {
+        Language::Wgsl => lights,
+        Language::GlslEs => format!(
+            "#ifdef {HOST_LIGHTS}\n    radiance += host_lights(p, i.position);\n#else\n{lights}#endif\n"
+        ),
+    }
 }
+
+/// The macro by which a host of GLSL ES replaces the block of lights with its function `host_lights`.
+pub(super) const HOST_LIGHTS: &str = "HOST_LIGHTS";
 
 fn reflected_environment(pixel: &PixelProgram) -> String {
     let texels = reads(&pixel.read, "e");
@@ -136,7 +156,11 @@ pub(super) fn tables(pixel: &PixelProgram) -> String {
     if lobe {
         text += &albedos(&pixel.fields("Dfg"));
     }
-    text + if sheen { SHEEN } else { "" }
+    if sheen {
+        text +=
+            &format!("{SHEEN}{FOUR}    return between_entries(a.r, b.r, c.r, d.r, q.across, q.down);\n}}\n");
+    }
+    text
 }
 
 /// Reads the entries of the lobe's fields, one per channel, in order.
@@ -152,29 +176,26 @@ fn albedos(fields: &[&str]) -> String {
         format!("between_entries(a.{c}, b.{c}, c.{c}, d.{c}, q.across, q.down)")
     };
     let entries: Vec<String> = fields.iter().map(entry).collect();
-    format!("{FOUR}    return Dfg(\n        {}\n    );\n}}\n", entries.join(",\n        "))
+    format!("{ALBEDOS}{FOUR}    return Dfg(\n        {}\n    );\n}}\n", entries.join(",\n        "))
 }
 
-const FOUR: &str = "
+const ALBEDOS: &str = "
 // The directional albedos of a lobe.
 Dfg albedos(TablePosition q, int table) {
     ivec2 at = table_texel(q, table);
-    vec4 a = texelFetch(albedo_tables, at, 0);
-    vec4 b = texelFetch(albedo_tables, at + ivec2(1, 0), 0);
-    vec4 c = texelFetch(albedo_tables, at + ivec2(0, 1), 0);
-    vec4 d = texelFetch(albedo_tables, at + ivec2(1, 1), 0);
 ";
 
 const SHEEN: &str = "
 // The fraction of light that white sheen reflects.
 float sheen_entry(TablePosition q) {
     ivec2 at = table_texel(q, 2);
-    float a = texelFetch(albedo_tables, at, 0).r;
-    float b = texelFetch(albedo_tables, at + ivec2(1, 0), 0).r;
-    float c = texelFetch(albedo_tables, at + ivec2(0, 1), 0).r;
-    float d = texelFetch(albedo_tables, at + ivec2(1, 1), 0).r;
-    return between_entries(a, b, c, d, q.across, q.down);
-}
+";
+
+/// The texels around a position in a table.
+const FOUR: &str = "    vec4 a = texelFetch(albedo_tables, at, 0);
+    vec4 b = texelFetch(albedo_tables, at + ivec2(1, 0), 0);
+    vec4 c = texelFetch(albedo_tables, at + ivec2(0, 1), 0);
+    vec4 d = texelFetch(albedo_tables, at + ivec2(1, 1), 0);
 ";
 
 /// The functions that look up the environment; the last is `environment_texels`.

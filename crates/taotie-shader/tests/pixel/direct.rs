@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 use taotie_engine::math::{Lane, Vec3};
 use taotie_engine::pixel::{
     Anisotropic, Coat, EnvironmentTexels, Frame, Geometry, Highlight, MappedNormal, MaterialPoint,
-    MaterialUniforms, MaterialValues, Model, PointLayers, Sheen, SurfacePoint, anisotropy_direction,
-    anisotropy_turn, coat_albedo, coat_highlight, coat_normal, highlight, is_cook_torrance, lobe_roughness,
-    lobe_slope, occluded, sheen_albedo, takes_compensation, takes_roughness,
+    MaterialUniforms, MaterialValues, Model, PassedLight, PointLayers, Sheen, SurfacePoint,
+    anisotropy_direction, anisotropy_turn, coat_albedo, coat_highlight, coat_normal, highlight,
+    is_cook_torrance, lobe_roughness, lobe_slope, occluded, sheen_albedo, takes_compensation,
+    takes_roughness,
 };
 use taotie_engine::scene::Material;
 use taotie_engine::shade::dfg::{Dfg, TablePosition};
@@ -55,6 +56,7 @@ impl<L: Lane> Direct<'_, L> {
         let result = |vector: Vec3<L>| Results::from([("result", flat(vector))]);
         match name {
             "opacity" => Results::from([("result", vec![self.alpha()])]),
+            "passed_light" => Results::from([("result", vec![self.passed_light()])]),
             "unlit_color" => result(self.tint().mul_elements(self.vector("u.base_color"))),
             "shading_frame" => self.shading_frame(),
             "material_values" => self.material_values(),
@@ -198,6 +200,23 @@ impl<L: Lane> Direct<'_, L> {
         if self.case.options.vertex_color { alpha * self.number("t.color_alpha") } else { alpha }
     }
 
+    fn transmission(&self) -> L {
+        let texture = self.material().transmission.and_then(|transmission| transmission.texture);
+        self.scaled(texture.is_some(), "transmission", "transmission")
+    }
+
+    fn passed_light(&self) -> L {
+        let material = self.material();
+        let has_specular = material.specular.factor_texture.is_some();
+        let passed = PassedLight {
+            transmission: self.transmission(),
+            metallic: self.scaled(material.metallic_roughness_texture.is_some(), "metallic", "metallic"),
+            base_color: self.tint().mul_elements(self.vector("u.base_color")),
+            f0: self.number("u.dielectric_f0") * self.scaled(has_specular, "specular", "specular"),
+        };
+        passed.share()
+    }
+
     /// The variance within the pixel, including that of a normal map.
     fn hidden(&self, map: Option<(&str, &str)>) -> SubPixelVariance<L> {
         let options = &self.case.options;
@@ -237,6 +256,7 @@ impl<L: Lane> Direct<'_, L> {
             ("occlusion", vec![occlusion]),
             ("emissive", self.colored(material.emissive_texture.is_some(), "emissive")),
             ("variance", vec![hidden.variance()]),
+            ("transmission", vec![self.transmission()]),
         ]);
         results.extend(self.layer_values());
         results
@@ -324,7 +344,10 @@ impl<L: Lane> Direct<'_, L> {
         let (shading, n) = (self.case.options.shading, self.vector("f.n"));
         let (uniforms, values) = (self.uniforms(), self.values());
         let dfg = self.compensated().then(|| self.dfg("dfg"));
-        let point = MaterialPoint::new(shading, &uniforms, &values, dfg);
+        let mut point = MaterialPoint::new(shading, &uniforms, &values, dfg);
+        if self.material().transmits() {
+            point = point.transmitting(self.number("m.transmission"));
+        }
         let s = &point.sample;
         let mut results = Results::from([
             ("n", flat(n)),

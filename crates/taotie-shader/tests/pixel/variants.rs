@@ -3,7 +3,7 @@
 use taotie_engine::names::Named;
 use taotie_engine::scene::{
     AlphaMode, Anisotropy, Classic, Clearcoat, GreenChannel, HeightMap, Material, NormalMap, NormalSpace,
-    Sheen, Specular, TextureRef, UvTransform,
+    Sheen, Specular, TextureRef, Transmission, UvTransform,
 };
 use taotie_engine::shade::Shading;
 use taotie_engine::surface::SurfaceMethod;
@@ -80,6 +80,15 @@ pub fn layered() -> Material {
         }),
         ..Material::default()
     }
+}
+
+/// A thin glass with textures.
+fn glass() -> Material {
+    glass_of(Material { base_color_texture: Some(texture(0)), ..Material::default() })
+}
+
+fn glass_of(material: Material) -> Material {
+    Material { transmission: Some(Transmission { factor: 0.7, texture: Some(texture(0)) }), ..material }
 }
 
 /// A material whose classic parameters are all authored.
@@ -161,6 +170,8 @@ fn special() -> Vec<Case> {
         case("unlit, rich", Material { unlit: true, alpha: AlphaMode::Blend, ..rich() }, ggx()),
         case("mask", Material { alpha: AlphaMode::Mask(0.5), ..textured() }, options()),
         case("blend", Material { alpha: AlphaMode::Blend, ..textured() }, options()),
+        case("glass", glass(), options()),
+        case("glass, rich", Material { alpha: AlphaMode::Blend, ..glass_of(rich()) }, ggx()),
         case("double-sided", Material { double_sided: true, ..rich() }, options()),
         case("layers", layered(), VariantOptions { environment: true, ..options() }),
         case("layers without tangents", layered(), VariantOptions { tangents: false, ..ggx_smooth() }),

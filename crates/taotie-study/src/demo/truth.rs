@@ -21,16 +21,7 @@ pub fn write(
     reference: &Scene,
     progress: Progress<'_>,
 ) -> Result<Written> {
-    let Stage { camera, lighting } = Stage::cup(scene)?;
-    let options = ComparisonOptions {
-        // The displaced mesh keeps the low mesh's uvs.
-        matching: Matching::Uv,
-        camera: Some(camera),
-        lighting: Some(lighting),
-        settings: Stage::settings(SIDE, 4),
-        development: stage::development(),
-        ..ComparisonOptions::default()
-    };
+    let options = options(scene)?;
     let subject = Subject::new("the built-in jue", scene).with_reference("its relief as geometry", reference);
     let compared = Comparison::of(&subject, &options, progress)?;
     let options = comparison::Options {
@@ -40,7 +31,24 @@ pub fn write(
     comparison::write_in(output.files, &compared, &options, &output.folder.join("comparison"))
 }
 
-/// Returns the errors of three methods as lines of text, with the reasons for their order.
+/// Returns the options of the comparison: all methods, seen by the camera of the cup.
+///
+/// # Errors
+/// None are expected, since the scene is generated.
+pub fn options(scene: &Scene) -> Result<ComparisonOptions> {
+    let Stage { camera, lighting } = Stage::cup(scene)?;
+    Ok(ComparisonOptions {
+        // The displaced mesh keeps the low mesh's uvs.
+        matching: Matching::Uv,
+        camera: Some(camera),
+        lighting: Some(lighting),
+        settings: Stage::settings(SIDE, 4),
+        development: stage::development(),
+        ..ComparisonOptions::default()
+    })
+}
+
+/// Returns the errors of the methods in [`REASONS`] as lines of text, with the reasons for their order.
 pub fn lines(report: &Document) -> Vec<String> {
     let mut lines = vec!["mean angular error against the displaced mesh, away from silhouettes:".to_string()];
     for (name, why) in REASONS {
@@ -52,7 +60,7 @@ pub fn lines(report: &Document) -> Vec<String> {
 }
 
 /// The methods with the reasons for their errors, the largest error first.
-const REASONS: [(&str, &str); 3] = [
+pub const REASONS: [(&str, &str); 3] = [
     ("smooth", "has no relief: its error is the relief's own slope"),
     (
         "bump",

@@ -84,6 +84,9 @@ pub struct Comparison {
     pub unmatched: f64,
     /// `true` for each pixel away from silhouettes, row by row.
     pub inner: Vec<bool>,
+    /// `true` for each pixel that shows the model or the reference, at least in one sample: images are compared over
+    /// these pixels, and under a baseline over those of the surface.
+    pub covered: Vec<bool>,
     /// The pixels whose normals are listed.
     pub points: Vec<[u32; 2]>,
     /// Counts of what could not be rendered as requested.
@@ -117,19 +120,22 @@ impl Comparison {
         };
         let against = if subject.reference.is_some() { surfaces.len() - 1 } else { 0 };
         let inner = smooth.inner(&truth.matched);
-        photographer.measure(&mut surfaces, against, &Expected { normals: &truth.normals, inner: &inner })?;
-        let seen = covered(&smooth.normals);
+        let covered = photographer.covered();
+        let expected = Expected { normals: &truth.normals, inner: &inner, covered: &covered };
+        photographer.measure(&mut surfaces, against, &expected)?;
+        let seen = covered_samples(&smooth.normals);
         Ok(Self {
             subject: subject.report(),
             parameters: photographer.parameters(),
             rules: Rules::new(options.matching, &options.points),
             points: options.points.choose(&inner, options.settings.width as usize),
-            unmatched: (seen - covered(&truth.matched)) / seen.max(1.0),
+            unmatched: (seen - covered_samples(&truth.matched)) / seen.max(1.0),
             surfaces,
             skipped,
             against,
             truth: truth.normals,
             inner,
+            covered,
             warnings: photographer.warnings,
             notes: relief.notes().to_vec(),
         })
@@ -142,7 +148,7 @@ impl Comparison {
 }
 
 /// Returns the number of samples that saw something.
-fn covered(image: &Image) -> f64 {
+fn covered_samples(image: &Image) -> f64 {
     image.pixels().iter().filter(|pixel| pixel[3] == 1.0).count() as f64
 }
 

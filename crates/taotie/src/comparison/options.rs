@@ -148,8 +148,8 @@ impl ComparisonOptions {
         const SHADING: u64 = 12 + 4;
         /// Colours and features in double precision while FLIP and SSIM are measured, and the heat maps' codes.
         const MEASURING: u64 = 160;
-        /// A picture and its copies during writing.
-        const PICTURE: u64 = 32;
+        /// A picture and its copies during writing, and whether model and reference are there.
+        const PICTURE: u64 = 32 + 2;
         let pixels = u64::from(self.settings.width) * u64::from(self.settings.height);
         let per_side = u64::from(samples_per_side(&self.settings));
         let methods = self.methods.len() as u64 + 1;

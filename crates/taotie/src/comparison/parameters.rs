@@ -130,9 +130,10 @@ impl Rules {
                 SamplePoints::Pixels(_) => "the requested pixels, from the top left".into(),
             },
             pictures: format!(
-                "developed sRGB pictures of 8 bits with their background; SSIM with Gaussian windows of 11×11 pixels \
-                 (Wang et al. 2004), FLIP at {PIXELS_PER_DEGREE:.0} pixels per degree (Andersson et al. 2020). They \
-                 are compared pixel by pixel, so they include the deviation of the low-poly mesh from the high-poly \
+                "developed sRGB pictures of 8 bits, over the pixels that show either surface in any sample, not the \
+                 background; SSIM with Gaussian windows of 11×11 pixels around these pixels (Wang et al. 2004), FLIP \
+                 at {PIXELS_PER_DEGREE:.0} pixels per degree (Andersson et al. 2020). They are compared pixel by \
+                 pixel, so they include the deviation of the low-poly mesh from the high-poly \
                  one as well as errors of its normals"
             ),
         }

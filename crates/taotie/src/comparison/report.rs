@@ -150,7 +150,7 @@ pub struct PictureReport {
     pub difference: Option<PictureFigures>,
 }
 
-/// The figures of the difference of two developed images.
+/// The figures of the difference of two developed images, over the pixels that show either surface.
 ///
 /// ```
 /// use taotie::comparison::PictureFigures;
@@ -169,8 +169,10 @@ pub struct PictureFigures {
     pub psnr: Option<f64>,
     /// At most 1.
     pub ssim: f64,
-    /// In [0, 1].
+    /// In [0, 1]; absent if no pixel shows either surface.
     pub flip: Option<Summary>,
+    /// The number of pixels compared.
+    pub pixels: usize,
     /// The name of the file for its map.
     pub flip_map: String,
 }
@@ -300,6 +302,7 @@ fn figures(difference: &PictureDifference, flip_map: String) -> PictureFigures {
         psnr: difference.psnr.is_finite().then_some(difference.psnr),
         ssim: difference.ssim,
         flip: difference.flip.summary(),
+        pixels: difference.pixels,
         flip_map,
     }
 }

@@ -78,7 +78,7 @@ pub struct Difference {
     pub pictures: Vec<PictureDifference>,
 }
 
-/// The difference of two developed images.
+/// The difference of two developed images, over the pixels that show either surface.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct PictureDifference {
@@ -88,8 +88,10 @@ pub struct PictureDifference {
     pub psnr: f64,
     /// Structural similarity, at most 1.
     pub ssim: f64,
-    /// FLIP at each pixel, in [0, 1].
+    /// FLIP at each of these pixels, in [0, 1]; NaN at others.
     pub flip: Field,
+    /// The number of these pixels.
+    pub pixels: usize,
 }
 
 /// A method that the model's materials do not support.
@@ -156,21 +158,24 @@ impl RenderedSurface {
 }
 
 impl PictureDifference {
-    /// Measures `picture` against the expected one.
-    fn of(expected: &DisplayImage, picture: &DisplayImage) -> Result<Self> {
+    /// Measures `picture` against the expected one, over the pixels that are `covered`.
+    fn of(expected: &DisplayImage, picture: &DisplayImage, covered: &[bool]) -> Result<Self> {
         Ok(Self {
-            rmse: compare::rmse(expected, picture)?,
-            psnr: compare::psnr(expected, picture)?,
-            ssim: compare::ssim(expected, picture)?,
-            flip: compare::flip(expected, picture, PIXELS_PER_DEGREE)?,
+            rmse: compare::rmse_within(expected, picture, covered)?,
+            psnr: compare::psnr_within(expected, picture, covered)?,
+            ssim: compare::ssim_within(expected, picture, covered)?,
+            flip: compare::flip(expected, picture, PIXELS_PER_DEGREE)?.within(covered)?,
+            pixels: covered.iter().filter(|covered| **covered).count(),
         })
     }
 }
 
-/// The normals with which surfaces are compared, and the pixels away from silhouettes.
+/// The normals with which surfaces are compared, the pixels away from silhouettes, and those over which images are
+/// compared.
 pub(super) struct Expected<'a> {
     pub(super) normals: &'a Image,
     pub(super) inner: &'a [bool],
+    pub(super) covered: &'a [bool],
 }
 
 /// Renders one image after the other.
@@ -180,6 +185,10 @@ pub(super) struct Photographer<'a> {
     lighting: Lighting,
     /// The model's.
     pub(super) diagonal: f64,
+    /// The pixels that show the model in any sample; empty before the first picture of it.
+    model_pixels: Vec<bool>,
+    /// The same for the reference.
+    reference_pixels: Vec<bool>,
     progress: Progress<'a>,
     steps: usize,
     done: usize,
@@ -200,6 +209,8 @@ impl<'a> Photographer<'a> {
             lighting: options.lighting_for(model, &camera),
             camera,
             diagonal: model.bounds().map_or(0.0, |bounds| bounds.diagonal()),
+            model_pixels: Vec::new(),
+            reference_pixels: Vec::new(),
             progress,
             // A look and a picture for each shading, then measuring each picture, and again with a baseline.
             steps: surfaces * (1 + (2 + usize::from(options.baseline.is_some())) * options.shadings.len()),
@@ -256,6 +267,10 @@ impl<'a> Photographer<'a> {
         let settings = RenderSettings { surface, ..self.options.settings.clone() };
         let look = look::look(&self.camera, &settings, |shot| renderer.render(shot, self.next_step()))?;
         let normals = look.mean_normals(&look.normals)?;
+        let pixels = if method.is_some() { &mut self.model_pixels } else { &mut self.reference_pixels };
+        if pixels.is_empty() {
+            *pixels = covered_pixels(&mut renderer, &self.camera, &settings)?;
+        }
         self.step()?;
         let (mut pictures, mut codes) = (Vec::new(), Vec::new());
         for shading in &self.options.shadings {
@@ -273,6 +288,12 @@ impl<'a> Photographer<'a> {
             difference: None,
             model_differences: Vec::new(),
         })
+    }
+
+    /// Returns the pixels that show the model or the reference, row by row.
+    pub(super) fn covered(&self) -> Vec<bool> {
+        let of_reference = self.reference_pixels.iter().copied().chain(std::iter::repeat(false));
+        self.model_pixels.iter().zip(of_reference).map(|(model, reference)| *model || reference).collect()
     }
 
     /// Makes a look of a scene by a method that needs no map, or by the best that its materials provide.
@@ -315,7 +336,8 @@ impl<'a> Photographer<'a> {
         let Some((_, expected)) = expected else { return Ok(()) };
         let mut differences = Vec::new();
         for (shading, picture) in surface.pictures.iter().filter(|(shading, _)| *shading != baseline) {
-            let picture = PictureDifference::of(expected, picture)?;
+            let pixels = if surface.method.is_some() { &self.model_pixels } else { &self.reference_pixels };
+            let picture = PictureDifference::of(expected, picture, pixels)?;
             differences.push(ModelDifference { shading: *shading, baseline, picture });
             self.step()?;
         }
@@ -330,11 +352,21 @@ impl<'a> Photographer<'a> {
         expected: &Expected<'_>,
     ) -> Result<Difference> {
         let angles = compare::angular_error(expected.normals, &surface.normals)?;
+        let covered = expected.covered;
         let mut pictures = Vec::new();
         for ((_, expected), (_, picture)) in against.pictures.iter().zip(&surface.pictures) {
-            pictures.push(PictureDifference::of(expected, picture)?);
+            pictures.push(PictureDifference::of(expected, picture, covered)?);
             self.step()?;
         }
         Ok(Difference { inner_angles: angles.within(expected.inner)?, angles, pictures })
     }
+}
+
+/// Returns `true` for each pixel of a picture with these settings that shows the renderer's scene in any sample.
+fn covered_pixels(renderer: &mut Renderer, camera: &Camera, settings: &RenderSettings) -> Result<Vec<bool>> {
+    // Neither light nor background changes what is covered.
+    let settings = RenderSettings { shadows: false, ..settings.clone() };
+    let shot = Shot { camera, lighting: &Lighting::default(), settings: &settings };
+    let frame = renderer.render(&shot, Progress::SILENT)?;
+    Ok(frame.color.pixels().iter().map(|pixel| pixel[3] > 0.0).collect())
 }

@@ -1,7 +1,8 @@
 //! A material: its factors, the layers that glTF's extensions add, its textures, and the kind of its normal map, as
 //! drawn and as guessed from its pixels.
 
-use std::collections::HashMap;
+use rayon::prelude::*;
+use std::collections::{BTreeSet, HashMap};
 use taotie_engine::image::{Bitmap, Encoding};
 use taotie_engine::scene::{
     AlphaMode, Classic, Factor, FactorValue, GreenChannel, LAYERS, Layer, Material, NormalMap, NormalSpace,
@@ -116,15 +117,19 @@ pub(super) struct Materials<'a> {
 impl<'a> Materials<'a> {
     /// Prepares reports on the materials of `loaded`.
     pub fn new(loaded: &'a Loaded) -> Self {
-        Self { loaded, pixels: HashMap::new() }
+        let scene = &loaded.scene;
+        let maps = scene.materials().iter().filter_map(|material| Some(material.normal?.texture.texture));
+        let maps: BTreeSet<usize> = maps.collect();
+        let pixels = maps.into_iter().map(|map| (map, Pixels::of(scene.textures()[map].bitmap())));
+        Self { loaded, pixels: pixels.collect() }
     }
 
     /// Returns one report per material, in order.
-    pub fn reports(mut self) -> Vec<MaterialReport> {
-        self.loaded.scene.materials().iter().map(|material| self.report(material)).collect()
+    pub fn reports(&self) -> Vec<MaterialReport> {
+        self.loaded.scene.materials().par_iter().map(|material| self.report(material)).collect()
     }
 
-    fn report(&mut self, material: &Material) -> MaterialReport {
+    fn report(&self, material: &Material) -> MaterialReport {
         let (alpha_mode, alpha_cutoff) = match material.alpha {
             AlphaMode::Opaque => ("opaque", None),
             AlphaMode::Mask(cutoff) => ("mask", Some(cutoff)),
@@ -149,7 +154,7 @@ impl<'a> Materials<'a> {
             textures: self.textures(material),
             normal_map: material
                 .normal
-                .map(|map| NormalMapReport::new(&map, self.pixels(map.texture.texture))),
+                .map(|map| NormalMapReport::new(&map, self.pixels[&map.texture.texture].clone())),
         }
     }
 
@@ -174,11 +179,6 @@ impl<'a> Materials<'a> {
             },
             uv_set: used.uv_set,
         }
-    }
-
-    fn pixels(&mut self, texture: usize) -> Pixels {
-        let bitmap = self.loaded.scene.textures()[texture].bitmap();
-        self.pixels.entry(texture).or_insert_with(|| Pixels::of(bitmap)).clone()
     }
 }
 

@@ -1,6 +1,7 @@
 //! The soundness of a mesh: its normals, its uv sets, and the tangents in the file with their deviation from
 //! MikkTSpace's.
 
+use rayon::prelude::*;
 use std::collections::BTreeSet;
 use taotie_engine::math::{Vec2, Vec3, scalar};
 use taotie_engine::mesh::Mesh;
@@ -66,7 +67,7 @@ pub enum Normals {
 
 /// Returns reports on all meshes, in order.
 pub(super) fn reports(loaded: &Loaded) -> Vec<MeshReport> {
-    let materials = materials(&loaded.scene).into_iter().enumerate();
+    let materials = materials(&loaded.scene).into_par_iter().enumerate();
     materials.map(|(index, materials)| report(loaded, index, materials)).collect()
 }
 

@@ -1,9 +1,10 @@
 //! The requested materials: a variant, a preset or a material in a TOML file, and factors and maps.
 
-use super::overrides::{Change, MapOptions, MaterialFactors};
+use super::overrides::{Change, MapOptions, MaterialFactors, ReadMap, reader};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use taotie_engine::error::{Error, Result};
+use taotie_engine::image::Bitmap;
 use taotie_engine::math::Vec3;
 use taotie_engine::scene::{
     AlphaMode, GreenChannel, Light, Material, NormalSpace, PRESETS, Scene, SceneData, preset,
@@ -48,11 +49,19 @@ impl MaterialOptions {
 
     /// Like [`MaterialOptions::apply`], within limits of memory and pixels.
     pub(super) fn apply_within(&self, scene: &mut Scene, limits: &Limits) -> Result<()> {
+        self.apply_with(scene, &mut reader(limits))
+    }
+
+    /// Like [`MaterialOptions::apply`], with the texels of maps from `read`, which need not be in files.
+    ///
+    /// # Errors
+    /// As [`MaterialOptions::apply`], and those of `read`.
+    pub fn apply_with(&self, scene: &mut Scene, read: &mut dyn FnMut(&Path) -> Result<Bitmap>) -> Result<()> {
         if let Some(choice) = &self.material {
-            MaterialFile::choose(choice)?.apply_within(scene, limits)?;
+            MaterialFile::choose(choice)?.apply_with(scene, read)?;
         }
         self.factors.apply(scene)?;
-        self.maps.apply_within(scene, limits)?;
+        self.maps.apply_with(scene, read)?;
         if self.green == GreenChannel::Down {
             scene.edit(point_down)?;
         }
@@ -215,12 +224,12 @@ impl MaterialFile {
     /// # Errors
     /// Those of the maps, and [`Error::Invalid`] for an unknown preset.
     pub fn apply(&self, scene: &mut Scene) -> Result<()> {
-        self.apply_within(scene, &Limits::default())
+        self.apply_with(scene, &mut reader(&Limits::default()))
     }
 
-    /// Like [`MaterialFile::apply`], within limits of memory and pixels.
-    fn apply_within(&self, scene: &mut Scene, limits: &Limits) -> Result<()> {
-        self.content.change(scene, limits)?.apply(scene)?;
+    /// Like [`MaterialFile::apply`], with texels from `read`.
+    fn apply_with(&self, scene: &mut Scene, read: &mut ReadMap<'_>) -> Result<()> {
+        self.content.change(scene, read)?.apply(scene)?;
         Ok(())
     }
 }
@@ -240,7 +249,6 @@ impl Content {
             ("ambient", self.ambient),
             ("diffuse", self.diffuse),
             ("specular", self.specular),
-            ("emissive", self.emissive),
         ];
         for (name, color) in colors {
             if color.is_some_and(|c| !Light::is_strength(Vec3::from_array(c))) {
@@ -250,7 +258,7 @@ impl Content {
         Ok(())
     }
 
-    fn change(&self, scene: &mut Scene, limits: &Limits) -> Result<Change> {
+    fn change(&self, scene: &mut Scene, read: &mut ReadMap<'_>) -> Result<Change> {
         let mut material = match &self.preset {
             Some(name) => {
                 Some(preset(name).ok_or_else(|| Error::invalid(format!("preset {name}"), unknown_preset()))?)
@@ -261,7 +269,7 @@ impl Content {
             let target = material.get_or_insert_with(Material::default);
             self.write_into(target);
         }
-        let maps = self.maps.options().load(scene, limits)?;
+        let maps = self.maps.options().load(scene, read)?;
         Ok(Change { reflectance: material, ..maps })
     }
 
@@ -284,6 +292,7 @@ impl Content {
             roughness: self.roughness,
             slope: self.slope,
             shininess: self.shininess,
+            emissive: self.emissive,
         }
     }
 
@@ -292,7 +301,6 @@ impl Content {
         material.base_color[3] = self.alpha.unwrap_or(material.base_color[3]);
         material.f0 = self.f0.or(material.f0);
         material.f82 = self.f82.or(material.f82);
-        material.emissive = self.emissive.unwrap_or(material.emissive);
         material.double_sided = self.double_sided.unwrap_or(material.double_sided);
         material.unlit = self.unlit.unwrap_or(material.unlit);
         let classic = &mut material.classic;

@@ -1,10 +1,11 @@
 //! Overrides for every material of a scene: factors, maps from files, and the change that they make.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use taotie_engine::error::{Error, Result};
-use taotie_engine::image::{Encoding, Sampler, Texture};
+use taotie_engine::image::{Bitmap, Encoding, Sampler, Texture};
+use taotie_engine::math::Vec3;
 use taotie_engine::scene::{
-    GreenChannel, HeightMap, Material, NormalMap, NormalSpace, Scene, TextureRef, UvTransform,
+    GreenChannel, HeightMap, Light, Material, NormalMap, NormalSpace, Scene, TextureRef, UvTransform,
 };
 use taotie_io::Limits;
 
@@ -37,6 +38,9 @@ pub struct MaterialFactors {
     pub slope: Option<f32>,
     /// Exponent of Phong and Blinn-Phong, at least 0; `None` derives it from α.
     pub shininess: Option<f32>,
+    /// Emitted radiance, linear RGB, at least 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub emissive: Option<[f32; 3]>,
 }
 
 impl MaterialFactors {
@@ -58,6 +62,9 @@ impl MaterialFactors {
         }
         if self.base_color.is_some_and(|c| c.iter().any(|v| !(0.0..=MOST).contains(v))) {
             return Err(Error::invalid("base_color", "its components must be between 0 and 1e9"));
+        }
+        if self.emissive.is_some_and(|c| !Light::is_strength(Vec3::from_array(c))) {
+            return Err(Error::invalid("emissive", "its components must be between 0 and 1e12"));
         }
         Ok(())
     }
@@ -83,7 +90,17 @@ impl MaterialFactors {
         material.roughness = self.roughness.unwrap_or(material.roughness);
         material.classic.slope = self.slope.or(material.classic.slope);
         material.classic.shininess = self.shininess.or(material.classic.shininess);
+        material.emissive = self.emissive.unwrap_or(material.emissive);
     }
+}
+
+/// Returns the texels of a map by its path.
+pub(super) type ReadMap<'r> = dyn FnMut(&Path) -> Result<Bitmap> + 'r;
+
+/// Returns a function that reads maps from files, within limits of memory and pixels.
+pub(super) fn reader(limits: &Limits) -> impl FnMut(&Path) -> Result<Bitmap> {
+    let limits = *limits;
+    move |path| taotie_io::read_bitmap_within(path, &limits)
 }
 
 /// Default height of white, as a fraction of the model's size.
@@ -146,12 +163,12 @@ impl MapOptions {
     /// # Errors
     /// Those of the files.
     pub fn apply(&self, scene: &mut Scene) -> Result<()> {
-        self.apply_within(scene, &Limits::default())
+        self.apply_with(scene, &mut reader(&Limits::default()))
     }
 
-    /// Like [`MapOptions::apply`], within limits of memory and pixels.
-    pub(super) fn apply_within(&self, scene: &mut Scene, limits: &Limits) -> Result<()> {
-        self.load(scene, limits)?.apply(scene)?;
+    /// Like [`MapOptions::apply`], with texels from `read`.
+    pub(super) fn apply_with(&self, scene: &mut Scene, read: &mut ReadMap<'_>) -> Result<()> {
+        self.load(scene, read)?.apply(scene)?;
         Ok(())
     }
 
@@ -163,10 +180,10 @@ impl MapOptions {
     }
 
     /// Adds the maps to the textures of `scene`; returns the change to its materials.
-    pub(super) fn load(&self, scene: &mut Scene, limits: &Limits) -> Result<Change> {
+    pub(super) fn load(&self, scene: &mut Scene, read: &mut ReadMap<'_>) -> Result<Change> {
         let size = scene.bounds().map_or(1.0, |bounds| bounds.diagonal());
         let mut load = |path: &Option<PathBuf>, encoding| {
-            let bitmap = path.as_ref().map(|path| taotie_io::read_bitmap_within(path, limits)).transpose()?;
+            let bitmap = path.as_ref().map(|path| read(path)).transpose()?;
             Ok::<_, Error>(bitmap.map(|bitmap| whole(scene, Texture::new(bitmap, encoding))))
         };
         Ok(Change {

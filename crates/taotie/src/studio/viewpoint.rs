@@ -39,12 +39,16 @@ pub struct CameraOptions {
     pub target: Option<Vec3<f64>>,
     /// Full vertical angle of view, radians, in (0, π).
     pub fov_y: f64,
+    /// A camera placed by the caller, in place of the one that the other options choose; its transform may shear, for
+    /// an image whose centre is off the viewing axis. A turntable turns about `target`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub placed: Option<Camera>,
 }
 
 impl Default for CameraOptions {
     fn default() -> Self {
         let [azimuth, elevation, fov_y] = DEFAULT_DEGREES.map(f64::to_radians);
-        Self { name: None, azimuth, elevation, distance: None, target: None, fov_y }
+        Self { name: None, azimuth, elevation, distance: None, target: None, fov_y, placed: None }
     }
 }
 
@@ -74,8 +78,12 @@ impl CameraOptions {
         Ok(())
     }
 
-    fn named(&self, scene: &Scene) -> Result<Option<Camera>> {
-        self.name.as_ref().map(|name| named(scene, name)).transpose()
+    /// Returns the camera that is not an orbit, if any.
+    fn given(&self, scene: &Scene) -> Result<Option<Camera>> {
+        match (&self.placed, &self.name) {
+            (Some(camera), _) => Ok(Some(camera.clone())),
+            (None, name) => name.as_ref().map(|name| named(scene, name)).transpose(),
+        }
     }
 }
 
@@ -143,7 +151,7 @@ impl Viewpoint {
     pub fn choose(options: &CameraOptions, framing: Framing, scene: &Scene) -> Result<Self> {
         let outline = Outline::new(scene);
         let bounds = outline.bounds().ok_or_else(nothing_to_see)?;
-        Chosen { options, named: options.named(scene)?, bounds }
+        Chosen { options, given: options.given(scene)?, bounds }
             .viewpoint(|orbit| Ok(framing.distance(&outline, orbit)))
     }
 
@@ -161,7 +169,7 @@ impl Viewpoint {
         let mut all: Option<Bounds> = None;
         motion.tour(scene, |posed| all = united(all, posed.bounds()))?;
         let bounds = all.ok_or_else(nothing_to_see)?;
-        Chosen { options, named: options.named(scene)?, bounds }.viewpoint(|orbit| {
+        Chosen { options, given: options.given(scene)?, bounds }.viewpoint(|orbit| {
             let mut distance = 0.0;
             motion.tour(scene, |posed| {
                 distance = framing.distance(&Outline::new(posed), orbit).max(distance);
@@ -175,7 +183,7 @@ impl Viewpoint {
     /// # Errors
     /// [`Error::Invalid`] if `scene` has no camera of that name.
     pub fn follow(&mut self, options: &CameraOptions, scene: &Scene) -> Result<()> {
-        if let Some(camera) = options.named(scene)? {
+        if let Some(camera) = options.given(scene)? {
             self.camera = camera;
         }
         Ok(())
@@ -240,18 +248,18 @@ impl View<'_> {
 /// A choice of camera for an object within `bounds`.
 struct Chosen<'a> {
     options: &'a CameraOptions,
-    /// The camera of the file.
-    named: Option<Camera>,
+    /// The placed camera, or the one of the file.
+    given: Option<Camera>,
     bounds: Bounds,
 }
 
 impl Chosen<'_> {
-    /// Returns the camera of the file, else an orbit, by default at the distance that `fit` finds.
+    /// Returns the placed camera or the one of the file, else an orbit, by default at the distance that `fit` finds.
     fn viewpoint(self, fit: impl FnOnce(&Orbit) -> Result<f64>) -> Result<Viewpoint> {
         self.options.check()?;
         let CameraOptions { azimuth, elevation, distance, target, fov_y, .. } = *self.options;
         let pivot = target.unwrap_or(self.bounds.center());
-        if let Some(camera) = self.named {
+        if let Some(camera) = self.given {
             return Ok(Viewpoint { camera, pivot });
         }
         let mut orbit = Orbit { azimuth, elevation, distance: 0.0, target: pivot, fov_y };
@@ -311,6 +319,17 @@ mod tests {
             assert!(target.length() < 1e-6, "{target:?} after {}", view.angle());
         }
         assert_eq!(viewpoint.turn(4).nth(1).unwrap().angle(), TAU / 4.0);
+    }
+
+    #[test]
+    fn a_placed_camera_is_used_as_it_is_and_turns_about_the_target() {
+        let far = CameraOptions { distance: Some(9.0), ..CameraOptions::default() };
+        let camera = Viewpoint::choose(&far, SQUARE, &ball()).unwrap().at(0.0).camera();
+        let options = CameraOptions { placed: Some(camera.clone()), name: Some("a".into()), ..far };
+        let viewpoint = Viewpoint::choose(&options, SQUARE, &ball()).unwrap();
+        assert_eq!(viewpoint.at(0.0).camera(), camera);
+        let turned = viewpoint.at(1.0).camera().world_from_view;
+        assert!(turned.transform_point(Vec3::new(0.0, 0.0, -9.0)).length() < 1e-6);
     }
 
     #[test]

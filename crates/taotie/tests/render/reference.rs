@@ -61,6 +61,9 @@ fn what_is_seen_through_masks_and_panes_is_as_in_the_rasteriser() {
     let mut view = View::of(scenes::panes(), scenes::camera(10.0, 5.0, 4.5));
     view.settings.shadows = false;
     direct_light_agrees("panes", &view, 128);
+    let mut glass = View::of(scenes::glass(), scenes::camera(10.0, 5.0, 4.5));
+    glass.settings.shadows = false;
+    direct_light_agrees("glass", &glass, 128);
     // Shadows of masks agree too; only the tracer supports those of blended panes.
     let masked = view.scene.edit(|scene| {
         let blended = scene.materials.iter_mut().filter(|material| material.alpha == AlphaMode::Blend);

@@ -14,7 +14,7 @@ use taotie_engine::math::{Vec3, scalar};
 use taotie_engine::mesh::Mesh;
 use taotie_engine::names::Named;
 use taotie_engine::render::{EnvironmentSampling, NormalMapping, ReferenceSettings};
-use taotie_engine::scene::{AlphaMode, Anisotropy, Clearcoat, Material, Orbit, Sheen};
+use taotie_engine::scene::{AlphaMode, Anisotropy, Clearcoat, Material, Orbit, Sheen, Transmission};
 use taotie_engine::shade::furnace::Furnace;
 use taotie_engine::shade::{Energy, MaterialSample, Shading};
 
@@ -155,6 +155,13 @@ fn panes_let_through_what_they_lack() {
     };
     let [open, _] = statistics(&lit(None).color);
     assert_mean("behind a pane", &lit(Some(pane)).color, 0.6 * open, 1e-3);
+    let glass = Material {
+        base_color: [0.8, 1.0, 0.6, 1.0],
+        transmission: Some(Transmission { factor: 0.5, texture: None }),
+        ..Material::default()
+    };
+    // Half of what is not reflected passes, and 0.8 of that on average over the channels.
+    assert_mean("behind glass", &lit(Some(glass)).color, 0.5 * 0.96 * 0.8 * open, 2e-3);
 }
 
 #[test]

@@ -88,7 +88,7 @@ pub(super) struct Intersection {
 }
 
 /// Rays through a scene. A mask exists if its alpha reaches the cutoff; a blended surface exists with the probability
-/// alpha.
+/// alpha, times the share of light that does not pass through it.
 pub(super) struct Sight<'t> {
     draws: &'t Draws<'t>,
     tree: &'t SceneTree,
@@ -116,7 +116,7 @@ impl Sight<'_> {
             !culled && self.is_masked_in(draw, hit)
         };
         let mut hit = self.tree.0.nearest_of(ray, limit, seen)?;
-        if self.draw(&hit).material.alpha == AlphaMode::Blend {
+        if self.draw(&hit).material.is_blended() {
             hit = self.nearest_by_chance(ray, limit, seen, Blended { hit, chance: chance() })?;
         }
         let draw = self.draws.number_of(hit.triangle);
@@ -135,10 +135,10 @@ impl Sight<'_> {
     ) -> Option<Hit> {
         loop {
             let draw = self.draw(&hit);
-            if draw.material.alpha != AlphaMode::Blend {
+            if !draw.material.is_blended() {
                 return Some(hit);
             }
-            let alpha = self.alpha(draw, &hit);
+            let alpha = self.coverage(draw, &hit);
             if chance < alpha {
                 return Some(hit);
             }
@@ -156,10 +156,10 @@ impl Sight<'_> {
     pub(super) fn is_free(&self, ray: &Ray, limit: f32, chance: u32) -> bool {
         !self.tree.0.occluded(ray, limit, |hit| {
             let draw = self.draw(hit);
-            match draw.material.alpha {
-                AlphaMode::Blend => unit(hash(chance, hit.triangle)) < self.alpha(draw, hit),
-                _ => self.is_masked_in(draw, hit),
-            }
+            let is_in = self.is_masked_in(draw, hit);
+            is_in
+                && (!draw.material.is_blended()
+                    || unit(hash(chance, hit.triangle)) < self.coverage(draw, hit))
         })
     }
 
@@ -173,6 +173,12 @@ impl Sight<'_> {
             AlphaMode::Mask(cutoff) => self.alpha(draw, hit) >= cutoff,
             _ => true,
         }
+    }
+
+    /// Returns the probability that a blended surface exists.
+    fn coverage(&self, draw: &Draw<'_>, hit: &Hit) -> f32 {
+        let kept = 1.0 - Footprint::of(draw, hit).passed(self.draws.scene, draw);
+        if draw.material.alpha == AlphaMode::Blend { self.alpha(draw, hit) * kept } else { kept }
     }
 
     fn alpha(&self, draw: &Draw<'_>, hit: &Hit) -> f32 {

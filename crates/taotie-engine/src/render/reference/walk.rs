@@ -4,6 +4,7 @@ use super::super::batch::{BATCH, Batch, Run, get3, set3};
 use super::super::draw::Draw;
 use super::super::interpolate::Interpolation;
 use super::super::surface_point::complete;
+use super::super::tree::Footprint;
 use super::EnvironmentSampling;
 use super::bsdf::{BsdfBatch, BsdfQuery, evaluate, is_grooved};
 use super::tracer::{Intersection, Tracer};
@@ -156,6 +157,7 @@ impl Tracer<'_> {
         if self.is_last(stop) && !stop.draw.shines() {
             return;
         }
+        self.weigh_transmission(stop, paths);
         self.gather(stop, paths, work);
         self.complete(stop, paths, work);
         if stop.depth == 0 {
@@ -169,6 +171,18 @@ impl Tracer<'_> {
             show_color(stop, paths, work);
         } else {
             self.light(stop, paths, work);
+        }
+    }
+
+    /// Weights the paths that met a transmitting surface, which is rarer than its reflection is strong.
+    fn weigh_transmission(&self, stop: &Stop<'_>, paths: &mut [Path]) {
+        if !stop.draw.material.transmits() {
+            return;
+        }
+        for (index, intersection) in stop.intersections {
+            let place = Footprint::at(stop.draw, intersection.triangle, intersection.weights);
+            let path = &mut paths[*index as usize];
+            path.throughput = path.throughput * (1.0 / (1.0 - place.passed(self.draws.scene, stop.draw)));
         }
     }
 

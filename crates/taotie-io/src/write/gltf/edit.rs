@@ -2,7 +2,7 @@
 //! removal of unused items from lists whose other items are renumbered. To buffers, bytes are added as views, and the
 //! parts still in use are moved into one buffer without duplicates.
 
-use crate::gltf::{RawGltf, is_known};
+use crate::gltf::{INSTANCING, RawGltf, is_known};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeSet;
 use taotie_engine::error::{Error, Result};
@@ -163,7 +163,7 @@ pub(super) fn each_view(json: &mut Value, visit: &mut dyn FnMut(&mut Value)) {
     each_object(json, &mut of);
 }
 
-/// Visits the accessors of primitives, skins and animations.
+/// Visits the accessors of primitives, instances, skins and animations.
 pub(super) fn each_accessor(json: &mut Value, visit: &mut dyn FnMut(&mut Value)) {
     for mesh in items_mut(json, "meshes") {
         for primitive in items_mut(mesh, "primitives") {
@@ -174,6 +174,11 @@ pub(super) fn each_accessor(json: &mut Value, visit: &mut dyn FnMut(&mut Value))
             let attributes = primitive.get_mut("attributes").and_then(Value::as_object_mut);
             attributes.into_iter().flatten().for_each(|(_, accessor)| visit(accessor));
         }
+    }
+    for node in items_mut(json, "nodes") {
+        let attributes = node.pointer_mut(&format!("/extensions/{INSTANCING}/attributes"));
+        let attributes = attributes.and_then(Value::as_object_mut);
+        attributes.into_iter().flatten().for_each(|(_, accessor)| visit(accessor));
     }
     items_mut(json, "skins").filter_map(|skin| skin.get_mut("inverseBindMatrices")).for_each(&mut *visit);
     for animation in items_mut(json, "animations") {

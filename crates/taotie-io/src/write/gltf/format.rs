@@ -9,9 +9,10 @@ use taotie_engine::names::Named;
 pub struct GltfFormat {
     /// The formats of textures.
     pub images: TextureCodecs,
-    /// `true` for a shorter search for repetitions in lossless WebP: less than half the time, for about 3 % more
-    /// bytes.
-    pub quick_webp: bool,
+    /// `true` for the model within a page: lossless WebP takes less than half the time, for about 3 % more bytes; and
+    /// opaque colours and normals of a scene that are unchanged since they were read from JPEG or WebP are stored as
+    /// those files, without metadata. Other numbers, such as roughness, are stored without another loss.
+    pub for_page: bool,
     /// Packs meshes with meshoptimizer: positions, normals and tangents with the bits of [`GltfFormat::bits`]; uvs
     /// and colours with 16 bits if they are in [0, 1]. Vertices and triangles are reordered. Programs without the
     /// extension cannot read the file.

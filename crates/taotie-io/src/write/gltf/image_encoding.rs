@@ -18,8 +18,8 @@ pub(super) struct Stored {
     pub encoding: Encoding,
     /// `true` if alpha is written; AVIF, KTX2 and JPEG do not support it.
     pub alpha: bool,
-    /// As [`GltfFormat::quick_webp`](super::format::GltfFormat).
-    pub quick_webp: bool,
+    /// As [`GltfFormat::for_page`](super::format::GltfFormat).
+    pub for_page: bool,
 }
 
 /// Returns the bytes of an image file.
@@ -30,7 +30,7 @@ pub(super) fn encode(bitmap: &Bitmap, stored: Stored, codec: ImageCodec) -> Resu
     match codec {
         ImageCodec::Png => png(bitmap, stored),
         ImageCodec::Jpeg(quality) => jpeg(bitmap, stored, quality),
-        ImageCodec::WebP if stored.quick_webp => webp(bitmap, stored, WebPLoss::LosslessQuick),
+        ImageCodec::WebP if stored.for_page => webp(bitmap, stored, WebPLoss::LosslessQuick),
         ImageCodec::WebP => webp(bitmap, stored, WebPLoss::Lossless),
         ImageCodec::LossyWebP(quality) => webp(bitmap, stored, WebPLoss::Quality(quality)),
         ImageCodec::Avif(quality) => avif(bitmap, stored, quality),
@@ -47,7 +47,7 @@ pub(super) fn encode(bitmap: &Bitmap, stored: Stored, codec: ImageCodec) -> Resu
 /// # Errors
 /// [`Error::Unsupported`] for float texels; [`Error::Invalid`] for a side of more than 65,535.
 pub fn encode_jpeg_bitmap(bitmap: &Bitmap, quality: u8) -> Result<Vec<u8>> {
-    jpeg(bitmap, Stored { encoding: Encoding::Srgb, alpha: false, quick_webp: false }, quality)
+    jpeg(bitmap, Stored { encoding: Encoding::Srgb, alpha: false, for_page: false }, quality)
 }
 
 /// Encodes the texels of a bitmap as lossless WebP, with alpha if it has any.
@@ -56,7 +56,7 @@ pub fn encode_jpeg_bitmap(bitmap: &Bitmap, quality: u8) -> Result<Vec<u8>> {
 /// [`Error::Unsupported`] for texels of more than 8 bits, and without the feature `webp`.
 pub fn encode_webp_bitmap(bitmap: &Bitmap) -> Result<Vec<u8>> {
     let alpha = matches!(bitmap.channels(), 2 | 4);
-    let stored = Stored { encoding: Encoding::Linear, alpha, quick_webp: false };
+    let stored = Stored { encoding: Encoding::Linear, alpha, for_page: false };
     match bitmap.bits() {
         8 => webp(bitmap, stored, WebPLoss::Lossless),
         bits => Err(Error::unsupported(format!("a WebP with {bits} bits per channel"), "write a .png")),
@@ -126,7 +126,7 @@ impl LossyTexture {
     /// [`taotie_engine::Error::Invalid`] if the encoder fails; [`taotie_engine::Error::Unsupported`] without the
     /// feature `webp`, or for float texels.
     pub fn encoded(&self, side: u32, codec: ImageCodec) -> Result<Vec<u8>> {
-        let stored = Stored { encoding: self.encoding(), alpha: self.has_alpha, quick_webp: false };
+        let stored = Stored { encoding: self.encoding(), alpha: self.has_alpha, for_page: false };
         encode(&*self.resized(side)?, stored, codec)
     }
 

@@ -144,7 +144,7 @@ pub(super) fn encode<'a>(material: &GltfMaterial<'a>, format: &GltfFormat) -> Re
     let bytes = parallel::tasks(images.len(), &|i| match images[i].image {
         GltfImage::Bitmap(bitmap) => {
             let Encoded { alpha, codec, .. } = images[i];
-            let stored = Stored { encoding: images[i].encoding(), alpha, quick_webp: format.quick_webp };
+            let stored = Stored { encoding: images[i].encoding(), alpha, for_page: format.for_page };
             image_encoding::encode(bitmap, stored, codec)
         }
         GltfImage::File(_) => Ok(Vec::new()),

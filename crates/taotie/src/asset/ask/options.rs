@@ -437,14 +437,14 @@ impl Packing {
 
     /// Returns the packing with a different format for the model file.
     pub(in crate::asset) fn with_format(self, format: &GltfFormat) -> Self {
-        let GltfFormat { images, meshopt, codecs, bits, quick_webp: _ } = *format;
+        let GltfFormat { images, meshopt, codecs, bits, for_page: _ } = *format;
         Self { images, meshopt, codecs, bits, ..self }
     }
 
     /// Returns the format of the model file.
     pub(in crate::asset) fn format(&self) -> GltfFormat {
         let Self { images, meshopt, codecs, bits, .. } = *self;
-        GltfFormat { images, quick_webp: false, meshopt, codecs, bits }
+        GltfFormat { images, for_page: false, meshopt, codecs, bits }
     }
 }
 

@@ -184,7 +184,7 @@ impl Rounding {
     /// Returns the format of its file.
     pub fn format(self) -> GltfFormat {
         let Self { bits, images, codecs } = self;
-        GltfFormat { images, quick_webp: false, meshopt: true, codecs, bits }
+        GltfFormat { images, for_page: false, meshopt: true, codecs, bits }
     }
 }
 

@@ -10,11 +10,13 @@ use taotie_engine::bake::{
 use taotie_engine::error::Result;
 use taotie_engine::image::{Bitmap, Sampler, Texture};
 use taotie_engine::length::Unit;
+use taotie_engine::math::Vec3;
 use taotie_engine::math::srgb::srgb_from_linear;
 use taotie_engine::names::Named;
 use taotie_engine::normal_map::{CoveredNormals, Storage, store_codes, store_rgba, store_unit_vectors};
 use taotie_engine::progress::Progress;
 use taotie_engine::scene::{GreenChannel, Material, NormalMap, NormalSpace, Scene, TextureRef, UvTransform};
+use taotie_engine::surface::encode_normal;
 use taotie_io::{GltfImage, GltfMaterial};
 
 /// Maps after baking.
@@ -198,10 +200,14 @@ impl Textures {
             dither: is_dithered(maps, normals, options),
         };
         if !maps.normal.is_empty() {
-            let bitmap = store_unit_vectors(maps.size(), &maps.normal, storage(&maps.normal))?;
+            let (size, storage) = (maps.size(), storage(&maps.normal));
             match options.space {
-                NormalSpace::Tangent => textures.normal = Some(bitmap),
+                NormalSpace::Tangent => {
+                    let code = |texel: usize| tangent_code(maps.normal[texel], options.bits);
+                    textures.normal = Some(store_codes(size, code, 3, storage)?);
+                }
                 NormalSpace::Object => {
+                    let bitmap = store_unit_vectors(size, &maps.normal, storage)?;
                     textures.separate.push(SeparateMap { map: MapKind::Normal, bitmap, range: None })
                 }
             }
@@ -438,6 +444,19 @@ impl Misses {
     }
 }
 
+/// Returns a tangent-space normal as stored: (n + 1)/2. Readers raise normals below the surface to it, so these are
+/// stored in it, with the least positive z of this number of bits.
+fn tangent_code(normal: [f32; 3], bits: u8) -> [f32; 3] {
+    let up = Vec3::new(0.0, 0.0, 1.0);
+    let n = Vec3::from_array(normal).normalize_or(up);
+    let least = if bits == 8 { 1.0 / 255.0 } else { 1.0 / 65535.0 };
+    if n.z >= least {
+        return encode_normal(n).to_array();
+    }
+    let flat = Vec3::new(n.x, n.y, 0.0).normalize_or(up);
+    encode_normal(Vec3::new(flat.x, flat.y, flat.z.max(least))).to_array()
+}
+
 /// Assigns an object-space normal map, which glTF cannot reference, to the material with this number, or to all of
 /// them.
 pub(in crate::asset) fn assign_object_map(
@@ -454,4 +473,27 @@ pub(in crate::asset) fn assign_object_map(
             scene.materials.iter_mut().enumerate().filter(|(i, _)| material.is_none_or(|own| own == *i));
         shown.for_each(|(_, material)| material.normal = Some(map));
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use taotie_engine::surface::decode_normal;
+
+    #[test]
+    fn normals_are_stored_above_the_surface() {
+        let normals =
+            [[0.8, 0.0, -0.6], [0.0, 0.0, -1.0], [0.6, 0.8, 0.0], [0.0, 0.0, 1.0], [0.1, 0.2, -0.9]];
+        for (bits, dither) in [(8, false), (8, true), (16, false)] {
+            for normal in normals {
+                let storage = Storage { bits, dither };
+                let map = store_codes([4, 4], |_| tangent_code(normal, bits), 3, storage).unwrap();
+                assert!((0..16).all(|i| map.stored(i)[2] > 0.5), "{normal:?}");
+                let read = |[r, g, b]: [f32; 3]| decode_normal(Vec3::new(r, g, b), 1.0, 1.0).normalize();
+                let [r, g, b, _] = map.stored(5);
+                let below = read(encode_normal(Vec3::from_array(normal)).to_array());
+                assert!(read([r, g, b]).dot(below) > 0.9995, "{normal:?}: as readers raise it");
+            }
+        }
+    }
 }

@@ -218,8 +218,9 @@ impl MemoryEstimate {
                 format!("a bake of {} triangles", self.scan.triangles),
                 format!(
                     "it needs about {} of memory, but the limit is {limit}; raise the memory limit, free memory, lower the \
-                     maps' size, or bake fewer maps at a time",
-                    self.bytes()
+                     maps' size, or bake fewer maps at a time{}",
+                    self.bytes(),
+                    taotie_io::limits_note()
                 ),
             )),
             _ => Ok(()),

@@ -281,7 +281,8 @@ impl WrittenAsset {
         let (made, limits, unit) = (&self.asset.made, Limits::of_own_files(), self.unit());
         let path = self.path().to_path_buf();
         if self.is_alone() {
-            let loaded = maps_alone::read_back(made, self.packing.green, &self.current())?;
+            let place = (self.requested.as_path(), &self.set);
+            let loaded = maps_alone::read_back(made, self.packing.green, place)?;
             let files = self.files.iter().map(|file| taotie_io::file_size(&self.set.current(file)));
             let (bytes_out, has_material) = (files.sum::<Result<u64>>()?, maps_alone::has_material(made));
             let mut levels = vec![loaded];

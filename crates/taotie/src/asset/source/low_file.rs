@@ -205,9 +205,9 @@ pub(super) fn triangles_by_material(scene: &Scene) -> BTreeMap<usize, Vec<Range<
     ranges
 }
 
-/// Returns the file that an asset keeps; `None` if the mesh is merged into one with one material: in memory, with a
-/// single mesh or material, without uvs, or if levels of detail or standalone maps are made from it. Files in other
-/// formats with several materials are converted to glTF.
+/// Returns the file that an asset keeps, or whose materials get standalone maps; `None` if the mesh is merged into one
+/// with one material: in memory, with a single mesh, without uvs, if levels of detail are made from it, or standalone maps
+/// with one material. Files in other formats with several materials are converted to glTF.
 ///
 /// # Errors
 /// [`Error::Unsupported`] if the file would lose motion or materials that way, and [`Error::Parse`] if it cannot be
@@ -235,12 +235,19 @@ pub(super) fn kept(
         warnings.note("merged the nodes of the low-poly mesh: the asset has new levels or uvs", 1);
         return Ok(None);
     }
+    // Warnings about a model are of no interest to standalone maps.
+    let mut of_model = Warnings::default();
     let source = match read.is_gltf {
         true => Source::File(path.clone()),
-        false => Source::Made(Arc::new(made(read, warnings)?)),
+        false => Source::Made(Arc::new(made(read, &mut of_model)?)),
     };
-    check(source.gltf(), read.limits)?;
-    note(read, options, warnings);
+    if options.keep_uvs {
+        note_motion(read, warnings);
+    } else {
+        warnings.absorb(of_model);
+        check(source.gltf(), read.limits)?;
+        note(read, options, warnings);
+    }
     Ok(Some(Document { source, whole: None, limits: read.limits, is_in_metres: read.is_in_metres }))
 }
 
@@ -320,7 +327,7 @@ impl Shape {
         self.moving.is_none() && self.materials == 1 && self.instances == 1
     }
 
-    /// Returns true if standalone maps are baked for one material, so that no file is rewritten.
+    /// Returns true if standalone maps are baked for one material, onto all meshes as one.
     fn is_alone(&self, options: &BakeOptions) -> bool {
         options.keep_uvs && self.materials == 1
     }
@@ -353,10 +360,6 @@ impl Shape {
             (
                 (moves || several && self.uvs == Uvs::All) && !options.lods.is_empty(),
                 "its file is kept as is, and levels of detail would need a separate one; omit them",
-            ),
-            (
-                several && options.keep_uvs,
-                "standalone maps support only one material; use a mesh with one, or write a .glb",
             ),
             (
                 moves && options.space == NormalSpace::Object,
@@ -476,7 +479,7 @@ mod tests {
         assert_eq!([&two, &one, &moving].map(|read| hindrance(read, &plain)), ["", "", ""]);
         assert!(hindrance(&two, &lods).contains("levels of detail"));
         assert_eq!(hindrance(&one, &lods), "");
-        assert!(hindrance(&two, &standalone).contains("standalone maps support only one material"));
+        assert_eq!(hindrance(&two, &standalone), "", "each gets its own");
         assert!(Shape::of(&moving).is_alone(&standalone) && !Shape::of(&two).is_alone(&standalone));
         assert!(hindrance(&bare, &plain).contains("no uvs"));
         assert!(hindrance(&file(&["a", "b"], &[true, false]), &plain).contains("no uvs"));

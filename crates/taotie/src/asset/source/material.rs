@@ -165,7 +165,7 @@ impl Property {
             Self::RefractiveIndex,
         ];
         let mut layers: Vec<usize> = (0..LAYERS.len()).collect();
-        layers.sort_by_key(|layer| LAYERS[*layer].textures.first());
+        layers.sort_by_key(|layer| (LAYERS[*layer].textures.is_empty(), LAYERS[*layer].textures.first()));
         all.extend(layers.into_iter().map(Self::Layer));
         all.extend([Self::Unlit, Self::Reflectance, Self::Classic]);
         all

@@ -8,15 +8,14 @@ use super::corrections::{
 use super::material::{Carried, is_plain};
 use super::size::ScanSize;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
-use std::thread::JoinHandle;
+use std::sync::{Arc, OnceLock};
 use taotie_engine::bake::{self, TexturedMesh};
 use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::length::Unit;
 use taotie_engine::mesh::Mesh;
 use taotie_engine::progress::Progress;
 use taotie_engine::scene::{Material, Scene};
-use taotie_io::{Limits, Loaded};
+use taotie_io::{FileHash, Limits, Loaded};
 
 /// The properties of a scan besides its triangles.
 #[derive(Debug)]
@@ -433,37 +432,4 @@ pub(in crate::asset) fn warnings_of_packed_scan(warnings: &Warnings) -> Warnings
     let others = warnings.iter().filter(|(what, _)| !LEFT_OF_FILE.contains(what));
     others.for_each(|(what, count)| left.note(what, count));
     left
-}
-
-/// The SHA-256 of a file, being computed in the background.
-#[derive(Debug)]
-struct FileHash {
-    path: PathBuf,
-    thread: Mutex<Option<JoinHandle<Result<String>>>>,
-    known: OnceLock<String>,
-}
-
-impl FileHash {
-    /// Starts reading the file.
-    pub fn begin(path: &Path) -> Self {
-        let path = path.to_path_buf();
-        let read = path.clone();
-        // If the system cannot start a thread, the file is read on demand.
-        let thread = std::thread::Builder::new().spawn(move || taotie_io::sha256(&read)).ok();
-        Self { path, thread: Mutex::new(thread), known: OnceLock::new() }
-    }
-
-    /// Returns the hash, hexadecimal, waiting for it if necessary.
-    ///
-    /// # Errors
-    /// [`Error::Io`] if the file cannot be read.
-    pub fn get(&self) -> Result<String> {
-        let mut thread = self.thread.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(known) = self.known.get() {
-            return Ok(known.clone());
-        }
-        let begun = thread.take().and_then(|thread| thread.join().ok());
-        let hash = begun.unwrap_or_else(|| taotie_io::sha256(&self.path))?;
-        Ok(self.known.get_or_init(|| hash).clone())
-    }
 }

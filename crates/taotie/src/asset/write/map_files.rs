@@ -55,7 +55,7 @@ impl MapNote {
 }
 
 /// Returns the label of a material, if it has one.
-fn named(label: &str) -> Option<String> {
+pub(super) fn named(label: &str) -> Option<String> {
     (!label.is_empty()).then(|| label.to_owned())
 }
 

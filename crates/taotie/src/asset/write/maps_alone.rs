@@ -1,17 +1,21 @@
-//! Standalone maps, without a model: textures for a low-poly mesh that stays in its own file.
+//! Standalone maps, without a model: textures for a low-poly mesh that stays in its own file, one set for each of its
+//! materials.
 
-use super::map_files::{MapNote, Meaning, codes_of_normals, encode_numbers, note_unlit, turned_green};
+use super::map_files::{MapNote, Meaning, codes_of_normals, encode_numbers, named, note_unlit, turned_green};
 use crate::asset::ask::Packing;
-use crate::asset::bake::{Made, Part, Range, SeparateMap};
+use crate::asset::bake::{Made, Part, Range, SeparateMap, labeled};
 use crate::asset::source::{KeptTextures, Property};
 use std::path::{Path, PathBuf};
 use taotie_engine::bake::MapKind;
 use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::image::{Bitmap, Encoding, Sampler, Texture};
+use taotie_engine::math::Mat4;
 use taotie_engine::names::Named;
 use taotie_engine::normal_map::green_turned;
-use taotie_engine::scene::{GreenChannel, Material, NormalMap, NormalSpace, Scene, TextureRef, UvTransform};
-use taotie_io::{FileBytes, Limits, Loaded, TextureCodecs};
+use taotie_engine::scene::{
+    GreenChannel, Instance, Material, NormalMap, NormalSpace, Scene, SceneData, TextureRef, UvTransform,
+};
+use taotie_io::{FileBytes, FileSet, Limits, Loaded, TextureCodecs};
 
 /// Returns true if a path requests standalone maps.
 pub(super) fn is_alone(path: &Path) -> bool {
@@ -24,20 +28,18 @@ fn has_extension(path: &Path, wanted: &str) -> bool {
 
 /// A texture as a separate file, and the maps that it holds.
 struct MapFile<'a> {
+    /// The name of its material in file names; empty if there is only one.
+    label: &'a str,
     maps: Vec<MapKind>,
     bitmap: &'a Bitmap,
     range: Option<Range>,
     path: PathBuf,
 }
 
-/// Returns the only part of an asset, as required by [`check`].
-fn only(made: &Made) -> &Part {
-    &made.parts[0]
-}
-
-/// Returns all textures. The first is in `path` itself, the others in files next to it: `out.png`, `out.ao.png`.
-fn files<'a>(made: &'a Made, path: &Path) -> Vec<MapFile<'a>> {
-    let textures = &only(made).maps.textures;
+/// Returns the textures of a material. The first is in `path` itself, the others in files next to it: `out.png`,
+/// `out.ao.png`. If there are several materials, the names contain their labels: `out.wood.png`, `out.wood.ao.png`.
+fn files<'a>(part: &'a Part, path: &Path) -> Vec<MapFile<'a>> {
+    let (label, textures) = (part.low.label(), &part.maps.textures);
     let mut files: Vec<MapFile<'a>> = Vec::new();
     for (map, bitmap) in textures.inside() {
         match files.iter_mut().find(|file| std::ptr::eq(file.bitmap, bitmap)) {
@@ -49,7 +51,12 @@ fn files<'a>(made: &'a Made, path: &Path) -> Vec<MapFile<'a>> {
         |other: &'a SeparateMap| MapFile { range: other.range, ..MapFile::new(other.map, &other.bitmap) };
     files.extend(textures.separate.iter().map(other));
     for (i, file) in files.iter_mut().enumerate() {
-        file.path = if i == 0 { path.into() } else { sibling(path, file.name()) };
+        file.label = label;
+        file.path = match (i, label) {
+            (0, "") => path.into(),
+            (0, label) => sibling(path, label),
+            _ => sibling(path, &labeled(label, file.name())),
+        };
         if file.holds(&[MapKind::Emission]) {
             let white = f64::from(textures.strength);
             file.range = Some(Range { black: 0.0, white, unit: "radiance" });
@@ -67,7 +74,7 @@ fn sibling(path: &Path, name: &str) -> PathBuf {
     path.with_extension(format!("{name}.{extension}"))
 }
 
-/// Returns every file that standalone maps may be written to, `path` itself first.
+/// Returns every file that standalone maps of one material may be written to, `path` itself first.
 pub(super) fn possible_files(path: &Path) -> Vec<PathBuf> {
     let names = MapKind::NAMES.iter().map(|(name, _)| *name).chain([ORM]);
     std::iter::once(path.to_path_buf()).chain(names.map(|name| sibling(path, name))).collect()
@@ -75,7 +82,7 @@ pub(super) fn possible_files(path: &Path) -> Vec<PathBuf> {
 
 impl<'a> MapFile<'a> {
     fn new(map: MapKind, bitmap: &'a Bitmap) -> Self {
-        Self { maps: vec![map], bitmap, range: None, path: PathBuf::new() }
+        Self { label: "", maps: vec![map], bitmap, range: None, path: PathBuf::new() }
     }
 
     fn holds(&self, any: &[MapKind]) -> bool {
@@ -124,7 +131,7 @@ impl<'a> MapFile<'a> {
         let range = self.file_range();
         self.maps.iter().map(move |map| MapNote {
             map: *map,
-            material: None,
+            material: named(self.label),
             file: Some(self.path.clone()),
             bits: self.bitmap.bits(),
             black: range.map(|range| range.black),
@@ -134,32 +141,35 @@ impl<'a> MapFile<'a> {
     }
 }
 
-/// Returns each map's kind and file.
+/// Returns each map's kind, material and file.
 pub(super) fn notes(made: &Made, path: &Path) -> Vec<MapNote> {
-    files(made, path).iter().flat_map(MapFile::notes).collect()
+    let files = made.parts.iter().flat_map(|part| files(part, path));
+    files.flat_map(|file| file.notes().collect::<Vec<_>>()).collect()
 }
 
 /// Returns all files.
 ///
 /// # Errors
-/// [`Error::Invalid`] for what standalone maps cannot have: several materials, generated uvs, levels of detail, and
-/// the packing of a model; [`Error::Unsupported`] for 16-bit maps as WebP.
+/// [`Error::Invalid`] for what standalone maps cannot have: generated uvs, levels of detail, and the packing of a
+/// model; [`Error::Unsupported`] for 16-bit maps as WebP.
 pub(super) fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec<FileBytes>> {
     check(made, packing)?;
-    let turned = turned_green(made.options.space, &only(made).maps.textures, packing)?;
-    let encode = |file: MapFile<'_>| {
-        let turned = turned.iter().find(|turned| file.holds(&[turned.map]));
-        let bitmap = turned.map_or(file.bitmap, |turned| &turned.bitmap);
-        Ok(FileBytes { bytes: file.encoded(bitmap)?, path: file.path })
-    };
-    files(made, path).into_iter().map(encode).collect()
+    let mut encoded = Vec::new();
+    for part in &made.parts {
+        let turned = turned_green(made.options.space, &part.maps.textures, packing)?;
+        for file in files(part, path) {
+            let turned = turned.iter().find(|turned| file.holds(&[turned.map]));
+            let bitmap = turned.map_or(file.bitmap, |turned| &turned.bitmap);
+            encoded.push(FileBytes { bytes: file.encoded(bitmap)?, path: file.path });
+        }
+    }
+    Ok(encoded)
 }
 
 fn check(made: &Made, packing: &Packing) -> Result<()> {
-    let origin = &only(made).low.origin;
+    let is_unwrapped = made.parts.iter().any(|part| part.low.origin.islands.is_some());
     let wrong = [
-        (made.parts.len() > 1, "the low-poly mesh has several materials; use a mesh with one"),
-        (origin.islands.is_some(), "no file would store the generated uvs; use a low-poly mesh with uvs"),
+        (is_unwrapped, "no file would store the generated uvs; use a low-poly mesh with uvs"),
         (!made.coarser.is_empty(), "levels of detail need a model; omit them"),
         (
             packing.images != TextureCodecs::default(),
@@ -211,13 +221,37 @@ pub(in crate::asset) fn unseen(made: &Made) -> Option<String> {
     (!made.about.is_plain).then(|| what.to_owned())
 }
 
-/// Reads the maps back onto the low-poly mesh. Normals are converted back to green up.
+/// Reads the maps back onto the low-poly mesh, whose materials keep their numbers. Normals are converted back to green up.
+/// `path` is that of [`encoded`].
 ///
 /// # Errors
 /// Those of reading the files.
-pub(in crate::asset) fn read_back(made: &Made, green: GreenChannel, path: &Path) -> Result<Loaded> {
+pub(in crate::asset) fn read_back(
+    made: &Made,
+    green: GreenChannel,
+    (path, set): (&Path, &FileSet),
+) -> Result<Loaded> {
+    let mut data = SceneData::default();
+    for part in &made.parts {
+        let number = part.low.own.as_ref().map_or(0, |own| own.number);
+        let mut material = stated(part);
+        for file in files(part, path) {
+            let bitmap = taotie_io::read_bitmap_within(&set.current(&file.path), &Limits::of_own_files())?;
+            show(&file, data.textures.len(), (&mut material, made.options.space));
+            data.textures.push(texture(&file, bitmap, green)?);
+        }
+        let world_from_object = Mat4::IDENTITY;
+        data.instances.push(Instance { mesh: data.meshes.len(), material: number, world_from_object });
+        data.meshes.push(part.low.mesh.clone());
+        data.materials.resize(data.materials.len().max(number + 1), Material::default());
+        data.materials[number] = material;
+    }
+    Ok(Loaded::new(Scene::new(data)?, Warnings::default(), "PNG"))
+}
+
+/// Returns the material of a part without textures, with the factors that its maps require.
+fn stated(Part { low, maps }: &Part) -> Material {
     let none = KeptTextures::default();
-    let Part { low, maps } = only(made);
     let stated = maps.textures.material(&low.material, &none);
     let mut material = Material {
         base_color: stated.base_color,
@@ -228,15 +262,7 @@ pub(in crate::asset) fn read_back(made: &Made, green: GreenChannel, path: &Path)
         ..low.material.clone()
     };
     material.retain_textures(|_| false);
-    let mut textures = Vec::new();
-    for file in files(made, path) {
-        let bitmap = taotie_io::read_bitmap_within(&file.path, &Limits::of_own_files())?;
-        show(&file, textures.len(), (&mut material, made.options.space));
-        textures.push(texture(&file, bitmap, green)?);
-    }
-    let mut scene = Scene::of_mesh(low.mesh.clone(), Material::default())?;
-    scene.edit(|scene| (scene.textures, scene.materials) = (textures, vec![material]))?;
-    Ok(Loaded::new(scene, Warnings::default(), "PNG"))
+    material
 }
 
 /// Returns a file's texture, with normals as codes with green up. Float colours are linear in the file too.

@@ -36,6 +36,8 @@ use taotie_io::{
 pub struct WrittenAsset {
     pub(in crate::asset) asset: Asset,
     pub(in crate::asset) packing: Packing,
+    /// The requested path, which standalone maps of several materials extend by the names of these.
+    pub(in crate::asset) requested: PathBuf,
     pub(in crate::asset) files: Vec<PathBuf>,
     pub(in crate::asset) set: FileSet,
     pub(in crate::asset) warnings: Warnings,
@@ -45,7 +47,8 @@ impl Asset {
     /// Writes the asset as `.glb`, or as `.gltf` with its files next to it. Maps that glTF has no slot for are
     /// written as separate files, such as `scan.height.png`. A path ending in `.png`, `.webp` or `.exr` gets
     /// standalone maps: the first in that file, all others next to it, such as `out.ao.png`, with the green direction
-    /// of the packing. All files appear together at the end; a failed or cancelled write leaves none. The same asset
+    /// of the packing; if the low-poly mesh has several materials, a set for each, such as `out.wood.png` and
+    /// `out.wood.ao.png`. All files appear together at the end; a failed or cancelled write leaves none. The same asset
     /// gives the same bytes.
     ///
     /// The listener receives the stage `write`.
@@ -80,7 +83,8 @@ impl Asset {
         set.protect(self.made.about.files.iter().chain(&self.made.low_files).chain(&packing.provenance))?;
         let is_overruled = self.made.rounding.is_some() && packing.format() != Packing::default().format();
         let packing = self.made.packing(packing);
-        let (asset, packed, path) = (self.clone(), packing.clone(), path.to_path_buf());
+        let requested = path.to_path_buf();
+        let (asset, packed, path) = (self.clone(), packing.clone(), requested.clone());
         let is_alone = maps_alone::is_alone(&path);
         let encode = move |_: Progress<'_>| match is_alone {
             true => maps_alone::encoded(&asset.made, &path, &packed).map(EncodedModel::from),
@@ -96,7 +100,7 @@ impl Asset {
         warnings
             .note("the search chose the packing; the requested one has no effect", usize::from(is_overruled));
         let files = files.into_iter().map(|file| file.path).collect();
-        Ok(WrittenAsset { asset: self.clone(), packing, files, set: set.clone(), warnings })
+        Ok(WrittenAsset { asset: self.clone(), packing, requested, files, set: set.clone(), warnings })
     }
 }
 
@@ -434,7 +438,7 @@ impl WrittenAsset {
     /// Returns each map's kind and location, material by material.
     pub fn maps(&self) -> Vec<MapNote> {
         if self.is_alone() {
-            return maps_alone::notes(&self.asset.made, self.path());
+            return maps_alone::notes(&self.asset.made, &self.requested);
         }
         self.asset.texture_sets().flat_map(|(label, textures)| self.maps_of(label, textures)).collect()
     }

@@ -10,7 +10,7 @@ use super::format::{CodecSet, VertexBits};
 use super::graft::{Storage, take_along};
 use super::image_encoding::LossyTexture;
 use super::stream::{PackedTriangles, Stream};
-use crate::gltf::{Content, GltfSource, OF_TEXTURES, RawGltf, StoredVertices, image_bytes, uses};
+use crate::gltf::{Content, GltfSource, INSTANCING, OF_TEXTURES, RawGltf, StoredVertices, image_bytes, uses};
 use crate::limits::Limits;
 use geometry::{Precision, Shaped, Simplified};
 use meshopt::SimplifyVertex;
@@ -160,8 +160,9 @@ fn longest_side(json: &Value, images: &[Option<Bitmap>]) -> Option<u32> {
 /// Returns `true` if a document has one primitive shown by one node, so that no other touches its border.
 fn is_alone(json: &Value) -> bool {
     let primitives = edit::items(json, "meshes").iter().map(|mesh| edit::items(mesh, "primitives").len());
-    let shown = edit::items(json, "nodes").iter().filter(|node| node.get("mesh").is_some()).count();
-    primitives.sum::<usize>() == 1 && shown == 1
+    let shown: Vec<_> = edit::items(json, "nodes").iter().filter(|node| node.get("mesh").is_some()).collect();
+    let is_once = |node: &Value| node.pointer(&format!("/extensions/{INSTANCING}")).is_none();
+    primitives.sum::<usize>() == 1 && matches!(shown[..], [only] if is_once(only))
 }
 
 /// Drops the tangents of primitives whose material does not use them: it has neither a normal map nor a layer with a

@@ -1,7 +1,7 @@
 //! The materials of a scene, with notes on what glTF cannot express, and their textures: each image is encoded once,
 //! with the samplers of its uses.
 
-use super::super::codec::ImageCodec;
+use super::super::codec::{CodecKind, ImageCodec};
 use super::super::draft::uri;
 use super::super::format::GltfFormat;
 use super::super::image_encoding::{self, Stored};
@@ -118,12 +118,12 @@ impl Writer<'_> {
         let entries = images.iter().enumerate().map(|(i, image)| match stem {
             Some(stem) => json!({ "uri": uri(&file_name(stem, i, image)) }),
             None => {
-                json!({ "bufferView": draft.view(&image.bytes), "mimeType": image.codec.kind().media_type() })
+                json!({ "bufferView": draft.view(&image.bytes), "mimeType": image.kind.media_type() })
             }
         });
         let entries: Value = entries.collect();
-        images.iter().filter_map(|image| image.codec.kind().extension()).for_each(|name| draft.require(name));
-        let texture = |[sampler, source]: &[usize; 2]| match images[*source].codec.kind().extension() {
+        images.iter().filter_map(|image| image.kind.extension()).for_each(|name| draft.require(name));
+        let texture = |[sampler, source]: &[usize; 2]| match images[*source].kind.extension() {
             None => json!({ "sampler": sampler, "source": source }),
             Some(name) => json!({ "sampler": sampler, "extensions": { name: { "source": source } } }),
         };
@@ -142,6 +142,9 @@ fn number<T: PartialEq>(list: &mut Vec<T>, value: T) -> usize {
 }
 
 fn encoded(texture: &Texture, turned: bool, format: &GltfFormat) -> Result<Image> {
+    if let (true, false, Some((file, kind))) = (format.for_page, turned, own_file(texture)) {
+        return Ok(Image { bytes: file.to_vec(), kind, rounded: false, refused: false });
+    }
     let (bitmap, rounded) = whole_numbers(texture)?;
     let bitmap = if turned { Cow::Owned(with_green_turned(&bitmap)?) } else { bitmap };
     let encoding = texture.encoding();
@@ -149,9 +152,17 @@ fn encoded(texture: &Texture, turned: bool, format: &GltfFormat) -> Result<Image
     let wanted = format.images.of(encoding);
     let refused = (alpha && !wanted.holds_alpha()) || !wanted.holds_size([bitmap.width(), bitmap.height()]);
     let codec = if refused { ImageCodec::Png } else { wanted };
-    let stored = Stored { encoding, alpha, quick_webp: format.quick_webp };
+    let stored = Stored { encoding, alpha, for_page: format.for_page };
     let bytes = image_encoding::encode(&bitmap, stored, codec)?;
-    Ok(Image { bytes, codec, rounded, refused })
+    Ok(Image { bytes, kind: codec.kind(), rounded, refused })
+}
+
+/// Returns the file that a texture was read from, if every program decodes it to nearly the same values: decoders of
+/// lossy files differ by up to 4 codes of 255, which is too much for the roughness of highlights.
+fn own_file(texture: &Texture) -> Option<(&[u8], CodecKind)> {
+    let file = texture.bitmap().file()?;
+    let is_exact = file.get(12..16) == Some(&b"VP8L"[..]);
+    (is_exact || texture.encoding() != Encoding::Linear).then_some((file, CodecKind::detect(file)?))
 }
 
 /// Returns the finest level in 8 or 16 bits, and whether floats were rounded.

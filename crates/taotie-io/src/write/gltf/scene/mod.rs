@@ -3,7 +3,7 @@
 
 mod materials;
 
-use super::codec::ImageCodec;
+use super::codec::CodecKind;
 use super::draft::{Container, GltfDraft};
 use super::edit::short;
 use super::format::GltfFormat;
@@ -191,7 +191,7 @@ struct Textures {
 /// An image as encoded.
 struct Image {
     bytes: Vec<u8>,
-    codec: ImageCodec,
+    kind: CodecKind,
     /// `true` if floats were rounded.
     rounded: bool,
     /// `true` if another format was requested but not supported.
@@ -209,7 +209,7 @@ fn separate_files(images: Vec<Image>, path: &Path) -> Vec<FileBytes> {
 }
 
 fn file_name(stem: &str, index: usize, image: &Image) -> String {
-    format!("{stem}_{index}.{}", image.codec.kind().file_extension())
+    format!("{stem}_{index}.{}", image.kind.file_extension())
 }
 
 /// The written parts of a mesh of the scene.
