@@ -109,6 +109,10 @@ def _of_pil(values: Any) -> Any:
     mode = getattr(values, "mode", None)
     if not isinstance(mode, str) or not hasattr(values, "convert") or mode in ("L", "LA", "RGB", "RGBA", "I;16", "F"):
         return values
+    if mode.startswith("I"):
+        codes = np.asarray(values)
+        is_16_bit = codes.min(initial=0) >= 0 and codes.max(initial=0) <= 65535
+        return codes.astype(np.uint16) if is_16_bit else codes
     is_transparent = mode == "PA" or "transparency" in getattr(values, "info", {})
     return values.convert("RGBA" if is_transparent or mode in ("RGBa", "La") else "RGB")
 

@@ -43,7 +43,7 @@ class Orbit:
         return brief(self)
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Camera:
     """A camera of the file, one that orbits a target, or one placed by a pose. A separate option overrides its field.
 

@@ -18,6 +18,10 @@ from ._others import ROLES, Arrays, top_left
 __all__ = ["to_open3d", "to_pyvista", "to_trimesh"]
 
 
+# The base colour of a material that states none.
+_PLAIN = np.array([0.6, 0.6, 0.6, 1.0], np.float32)
+
+
 class _Joined:
     """The parts of a native model as one mesh, with a material for each face."""
 
@@ -46,7 +50,9 @@ class _Joined:
     def surface_colors(self) -> npt.NDArray[np.uint8] | None:
         """The vertex colours times those of the materials, as sRGB codes; None if there are none."""
         tints = [np.asarray(factors["base_color"], np.float32) for factors in self.factors]
-        if not self.has_colors and all(tint.tolist() == tints[0].tolist() for tint in tints):
+        is_textured = all("base_color_texture" in part["textures"] for part in self.parts)
+        is_same = all(np.array_equal(tint, tints[0]) for tint in tints)
+        if not self.has_colors and is_same and (is_textured or np.array_equal(tints[0], _PLAIN)):
             return None
         tint = np.repeat(tints, [len(part["vertices"]) for part in self.parts], axis=0)
         return _codes(self.colors() * tint)
@@ -129,7 +135,7 @@ def _to_pil(joined: _Joined, role: str, texels: npt.NDArray[np.uint8]) -> Any:
     return Image.fromarray(np.ascontiguousarray(texels))
 
 
-def to_pyvista(parts: Sequence[Arrays]) -> Any:
+def to_pyvista(parts: Sequence[Arrays], omitted: Sequence[tuple[str, int]]) -> Any:
     """Return the parts of a native model as a ``pyvista.PolyData``."""
     pyvista: Any = importlib.import_module("pyvista")
     joined = _Joined(parts)
@@ -145,13 +151,14 @@ def to_pyvista(parts: Sequence[Arrays]) -> Any:
         mesh.set_active_scalars("RGBA", preference="point")
     textures = sum(len(part["textures"]) for part in parts)
     others = sum(not part["is_plain"] and not part["textures"] for part in parts)
-    left_out = [("left out a texture: a PyVista mesh holds none; pass it to plotter.add_mesh", textures)]
+    left_out = [pair for pair in omitted if "texture" not in pair[0]]
+    left_out.append(("left out a texture: a PyVista mesh holds none; pass it to plotter.add_mesh", textures))
     left_out.append(("left out a material's metalness, roughness and layers: a PyVista mesh holds none", others))
     warn([(what, count) for what, count in left_out if count], stacklevel=4)
     return mesh
 
 
-def to_open3d(parts: Sequence[Arrays]) -> Any:
+def to_open3d(parts: Sequence[Arrays], omitted: Sequence[tuple[str, int]]) -> Any:
     """Return the parts of a native model as an ``open3d.geometry.TriangleMesh``."""
     open3d: Any = importlib.import_module("open3d")
     joined, vectors = _Joined(parts), open3d.utility
@@ -172,7 +179,8 @@ def to_open3d(parts: Sequence[Arrays]) -> Any:
         mesh.triangle_material_ids = vectors.IntVector(joined.kinds.astype(np.int32))
     others = sum(len(part["textures"]) for part in parts) - sum(image is not None for image in images)
     factors = sum(not part["is_plain"] for part in parts)
-    left_out = [("left out a texture other than of the base colour: Open3D's TriangleMesh holds none", others)]
+    other = "left out a texture other than of the base colour: Open3D's TriangleMesh holds none"
+    left_out = [*omitted, (other, others)]
     left_out.append(("left out a material's factors: Open3D's TriangleMesh holds none", factors))
     warn([(what, count) for what, count in left_out if count], stacklevel=4)
     return mesh

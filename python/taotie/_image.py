@@ -39,7 +39,9 @@ class Image(np.ndarray[Any, np.dtype[np.uint8]]):
     camera: Camera | None = None
 
     def __array_finalize__(self, of: Any) -> None:
-        if getattr(of, "shape", None) == self.shape and self.dtype == np.uint8:
+        # Parts, and pixels in another order, are not what the camera sees.
+        is_whole = isinstance(of, np.ndarray) and (of.shape, of.strides) == (self.shape, self.strides)
+        if is_whole and self.dtype == np.uint8:
             self.camera = getattr(of, "camera", None)
 
     def __array_wrap__(self, array: Any, context: Any = None, return_scalar: bool = False) -> Any:

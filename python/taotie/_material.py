@@ -159,10 +159,14 @@ def _texture(name: str, values: Any) -> str | Array | None:
 def _is_signed(vectors: Array) -> bool:
     """Return true for vectors in [-1, 1] instead of [0, 1]: those whose lengths are closer to 1 as they are."""
 
-    def error(values: Array) -> float:
-        return float(np.abs(np.linalg.norm(values, axis=-1) - 1).mean())
+    if vectors.min() < -0.05:
+        return True
+    given = vectors[np.any(vectors != 0, axis=-1)]
 
-    return error(vectors) < error(vectors * 2 - 1)
+    def error(values: Array) -> float:
+        return float(np.abs(np.linalg.norm(values, axis=-1) - 1).mean()) if len(values) else 0.0
+
+    return error(given) < error(given * 2 - 1)
 
 
 def rgb(color: Color) -> list[float]:

@@ -166,7 +166,7 @@ class Model:
         --------
         >>> mesh = scan.to_pyvista()  # doctest: +SKIP
         """
-        return to_pyvista(self._native.parts()[0])
+        return to_pyvista(*self._native.parts())
 
     def to_open3d(self) -> Any:
         """Return an ``open3d.geometry.TriangleMesh`` in world space, with normals, UVs, colours and colour textures.
@@ -180,7 +180,7 @@ class Model:
         --------
         >>> mesh = scan.to_open3d()  # doctest: +SKIP
         """
-        return to_open3d(self._native.parts()[0])
+        return to_open3d(*self._native.parts())
 
     def _preview(self) -> Image:
         return render(self, size=(480, 480), env="studio", background="transparent")

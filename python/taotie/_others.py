@@ -379,6 +379,12 @@ def _factors_of_open3d(material: Any) -> Arrays:
     return factors
 
 
+def _first_share(texture: Array) -> Array:
+    """Return the first channel of a texture, with integers as shares of their maximum."""
+    first = texture.reshape(*texture.shape[:2], -1)[:, :, 0]
+    return (first if first.dtype.kind == "f" else first / np.iinfo(first.dtype).max).astype(np.float32)
+
+
 def _textures_of_open3d(parts: Parts, maps: dict[str, Array]) -> dict[str, Any]:
     textures = {role: maps.pop(name) for role, name in _OPEN3D_ROLES.items() if name in maps}
     packed = maps.pop("ao_rough_metal", None)
@@ -388,8 +394,8 @@ def _textures_of_open3d(parts: Parts, maps: dict[str, Array]) -> dict[str, Any]:
         rough, metal = maps.pop("roughness", None), maps.pop("metallic", None)
         single = [one for one in (rough, metal) if one is not None]
         if single and len({one.shape[:2] for one in single}) == 1:
-            ones = np.full_like(single[0].reshape(*single[0].shape[:2], -1)[:, :, 0], np.iinfo(single[0].dtype).max)
-            channels = [ones if one is None else one.reshape(*one.shape[:2], -1)[:, :, 0] for one in (rough, metal)]
+            ones = np.ones(single[0].shape[:2], np.float32)
+            channels = [ones if one is None else _first_share(one) for one in (rough, metal)]
             textures["metallic_roughness_texture"] = np.dstack([ones, *channels])
         else:
             parts.leave_out("left out textures of roughness and metalness of different sizes", len(single))

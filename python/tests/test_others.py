@@ -224,3 +224,10 @@ def _model(mesh: Any) -> tt.Model:
     from taotie._model import model
 
     return model(mesh)
+
+
+def test_the_base_colour_of_one_material_is_kept() -> None:
+    package("trimesh")
+    red = tt.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], material=tt.Material(base_color="#ff0000"))
+    mesh = red.to_trimesh()
+    assert mesh.visual.vertex_colors[0].tolist() == [255, 0, 0, 255]

@@ -20,6 +20,8 @@ from PIL import Image as Pillow
 
 import taotie as tt
 
+from conftest import sphere
+
 CASES = [
     ({}, []),
     ({"camera": tt.Orbit(14, 10)}, ["--orbit", "14,10"]),
@@ -384,3 +386,13 @@ def test_a_thousand_images_take_no_more_memory_than_ten(ball: tt.Mesh) -> None:
     for _ in range(1000):
         renderer.render(size=64)
     assert resident() - before < 8 << 20
+
+
+def test_a_parallel_camera_sees_all_of_an_object_that_turns() -> None:
+    vertices, faces = sphere(12, 8)
+    long = tt.Mesh(vertices * (0.3, 0.3, 3), faces)
+    camera = tt.Camera(azimuth_deg=0, elevation_deg=0, projection="orthographic")
+    for frame in tt.Renderer(long, size=48, camera=camera, background="transparent").turntable(4):
+        assert frame[24, 24, 3] > 0
+        assert frame[:, [0, -1], 3].max() == 0
+        assert frame[[0, -1], :, 3].max() == 0

@@ -206,6 +206,8 @@ export class Stage {
             new Showing(shown === "scan" ? await Exhibit.load(1, this.shared) : this.asset);
         const known = this.companions.get(shown) ?? made();
         this.companions.set(shown, known);
+        // The next attempt fetches it again.
+        known.catch(() => this.companions.delete(shown));
         return known;
     }
 }

@@ -199,10 +199,17 @@ export class Viewer {
     /** Draws one sample and waits for it, so that frames do not pile up; a still picture then gets all samples. */
     private async step(): Promise<void> {
         this.isAsked = false;
-        const isWhole = await this.draw(1, this.halvings);
-        // Skipped frames say nothing about frame times.
-        if (!this.isAsked) this.pace(await this.stage.drawn());
-        this.isDrawing = false;
+        let isWhole = true;
+        try {
+            isWhole = await this.draw(1, this.halvings);
+            // Skipped frames say nothing about frame times.
+            if (!this.isAsked) this.pace(await this.stage.drawn());
+        } catch (error) {
+            // The scan or its textures, which are fetched when they are first shown.
+            refuse(this.host.element, error instanceof Error ? error.message : String(error));
+        } finally {
+            this.isDrawing = false;
+        }
         if (this.isAsked) this.request();
         else if (!isWhole) this.timer = window.setTimeout(() => void this.draw(this.stage.samples, 0), STILL);
     }

@@ -109,19 +109,37 @@ impl FileHash {
     /// # Errors
     /// As [`sha256`].
     pub fn get(&self) -> Result<String> {
-        let mut thread = self.thread.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = self.known.get() {
             return Ok(known.clone());
         }
-        let begun = match thread.take() {
-            Some(thread) if self.process == std::process::id() => thread.join().ok(),
-            lost => {
-                std::mem::forget(lost);
-                None
-            }
-        };
-        let hash = begun.unwrap_or_else(|| sha256(&self.path))?;
+        let hash = self.joined().unwrap_or_else(|| sha256(&self.path))?;
         Ok(self.known.get_or_init(|| hash).clone())
+    }
+
+    /// Waits for the thread; `None` if there is none, or another thread has waited for it.
+    fn joined(&self) -> Option<Result<String>> {
+        if self.is_inherited() {
+            return None;
+        }
+        let mut thread = self.thread.lock().unwrap_or_else(PoisonError::into_inner);
+        // A caller that waited for the lock finds the result of the one before.
+        self.known.get().map(|known| Ok(known.clone())).or_else(|| {
+            let hash = thread.take()?.join().ok()?;
+            Some(hash.inspect(|hash| drop(self.known.set(hash.clone()))))
+        })
+    }
+
+    fn is_inherited(&self) -> bool {
+        self.process != std::process::id()
+    }
+}
+
+impl Drop for FileHash {
+    /// Forgets a thread that does not exist in this process.
+    fn drop(&mut self) {
+        if self.is_inherited() {
+            std::mem::forget(self.thread.get_mut().map(Option::take));
+        }
     }
 }
 

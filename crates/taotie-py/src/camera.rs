@@ -38,14 +38,26 @@ impl CameraRequest {
         let options = self.options.clone();
         // Without triangles there is nothing to place a camera for: that is an error of the viewpoint.
         let Some((placed, bounds)) = self.placed.as_ref().zip(scene.bounds()) else { return options };
-        let subject = Subject { bounds, size: framing.size };
+        let framed = if framing.all_around { swept(bounds, options.target) } else { bounds };
+        let subject = Subject { bounds, framed, size: framing.size };
         CameraOptions { placed: Some(placed.camera(&options, &subject)), ..options }
     }
+}
+
+/// Returns the bounds of an object that is turned about the vertical axis through the target.
+fn swept(bounds: Bounds, target: Option<Vec3<f64>>) -> Bounds {
+    let pivot = target.unwrap_or(bounds.center());
+    let reach = |corner: Vec3<f64>| (corner.x - pivot.x).hypot(corner.z - pivot.z);
+    let reach = bounds.corners().into_iter().map(reach).fold(0.0, f64::max);
+    let at = |side: f64, y: f64| Vec3::new(pivot.x + side, y, pivot.z + side);
+    Bounds { min: at(-reach, bounds.min.y), max: at(reach, bounds.max.y) }
 }
 
 /// The object in an image.
 struct Subject {
     bounds: Bounds,
+    /// The part of the world that a parallel projection shows.
+    framed: Bounds,
     /// The size of the image, pixels.
     size: [u32; 2],
 }
@@ -87,7 +99,7 @@ impl Subject {
 
     /// Returns half the height that a parallel projection must show for the object to be in the image.
     fn half_height(&self, view_from_world: &Mat4) -> f64 {
-        let needed = self.bounds.corners().map(|corner| {
+        let needed = self.framed.corners().map(|corner| {
             let seen = view_from_world.transform_point(corner);
             seen.y.abs().max(seen.x.abs() / self.aspect())
         });

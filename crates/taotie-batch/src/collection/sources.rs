@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use taotie_engine::{Error, Result, Warnings};
 use taotie_io::read_bytes;
 use toml::Spanned;
-use walkdir::WalkDir;
+use walkdir::{DirEntry, WalkDir};
 
 /// A scan of a collection.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -35,6 +35,9 @@ pub struct Found {
 
 /// The file extensions of models, in lower case.
 const MODEL_EXTENSIONS: [&str; 5] = ["gltf", "glb", "obj", "ply", "stl"];
+
+/// Why a link is not followed.
+const LOOP: &str = "the link leads back to a folder above it";
 
 /// A search for scans.
 struct Search<'a> {
@@ -101,8 +104,15 @@ impl Search<'_> {
         let output = self.output.clone();
         let is_own = |path: &Path| is_inside(output.as_deref(), path);
         let walk = WalkDir::new(root).max_depth(depth).follow_links(true).sort_by_file_name();
-        let entries =
-            walk.into_iter().filter_entry(|entry| !(entry.file_type().is_dir() && is_own(entry.path())));
+        // The walk itself finds links to folders above a link, up to the root.
+        let (whole, mut loops) = (root.canonicalize().ok(), Vec::new());
+        let mut is_searched = |entry: &DirEntry| {
+            let is_folder = entry.file_type().is_dir();
+            let is_loop = is_folder && entry.depth() > 0 && leads_above(entry, whole.as_deref());
+            loops.extend(is_loop.then(|| entry.path().to_path_buf()));
+            !(is_loop || is_folder && is_own(entry.path()))
+        };
+        let entries = walk.into_iter().filter_entry(&mut is_searched);
         for entry in entries {
             let path = match entry {
                 Ok(entry) if entry.file_type().is_file() => entry.into_path(),
@@ -118,7 +128,13 @@ impl Search<'_> {
                 self.add(Scan { id, path, title: None })?;
             }
         }
+        loops.iter().for_each(|path| self.skip(path, LOOP));
         Ok(())
+    }
+
+    fn skip(&mut self, path: &Path, why: &str) {
+        let shown = path.strip_prefix(self.folder).unwrap_or(path);
+        self.warnings.note(format!("skipped {}: {why}", shown.display()), 1);
     }
 
     /// Returns the link that could not be followed, if it has a model's name; notes any other error as a warning.
@@ -127,15 +143,14 @@ impl Search<'_> {
         if error.loop_ancestor().is_none() && is_model(&path) && path.is_symlink() {
             return Some(path);
         }
-        let shown = path.strip_prefix(self.folder).unwrap_or(&path);
         let why = match (error.loop_ancestor(), error.io_error()) {
-            (Some(_), _) => "the link leads back to a folder above it".into(),
+            (Some(_), _) => LOOP.into(),
             (_, Some(cause)) if cause.kind() == ErrorKind::NotFound => {
                 "the link's target does not exist".into()
             }
             (_, cause) => cause.map_or_else(|| "it cannot be read".into(), ToString::to_string),
         };
-        self.warnings.note(format!("skipped {}: {why}", shown.display()), 1);
+        self.skip(&path, &why);
         None
     }
 
@@ -186,6 +201,12 @@ impl Search<'_> {
             _ => Ok(()),
         }
     }
+}
+
+/// Returns `true` for a link to `root` or a folder above it.
+fn leads_above(entry: &DirEntry, root: Option<&Path>) -> bool {
+    let target = entry.path_is_symlink().then(|| entry.path().canonicalize().ok()).flatten();
+    target.zip(root).is_some_and(|(target, root)| root.starts_with(target))
 }
 
 /// Returns true if a path is in the output folder, or is that folder.

@@ -185,6 +185,12 @@ class ShadedMaterial extends THREE.ShaderMaterial {
         return this.bind(source.shader, Object.fromEntries(copies));
     }
 
+    // Also releases the uniform blocks, of which a driver binds a few dozen.
+    dispose() {
+        super.dispose();
+        this.uniformsGroups.forEach((each) => each.dispose());
+    }
+
     // three.js calls this for each combination of lights and geometries.
     onBeforeCompile(parameters) {
         const isObject = "normal_matrix_x" in this.places.own;

@@ -180,12 +180,21 @@ impl<L: Lane> MaterialPoint<L> {
     ///
     /// Source: KHR_materials_transmission.
     #[inline(always)]
-    pub fn transmitting(self, transmission: L) -> Self {
-        let kept = transmission.lit(1.0) - transmission;
-        let MaterialSample { base_color, diffuse, .. } = self.sample;
-        // Models scatter by one of them.
-        let sample = MaterialSample { base_color: base_color * kept, diffuse: diffuse * kept, ..self.sample };
-        Self { sample, ambient: self.ambient - diffuse * transmission, ..self }
+    pub fn transmitting(self, shading: Shading, transmission: L) -> Self {
+        let one = transmission.lit(1.0);
+        let kept = one - transmission;
+        let MaterialSample { base_color, diffuse, metallic, .. } = self.sample;
+        // Models scatter by one of them. Metals let nothing pass, but scatter in two models.
+        let kept_base = match shading {
+            Shading::Lambert | Shading::GgxPrinted => one - transmission * (one - metallic),
+            _ => kept,
+        };
+        let sample =
+            MaterialSample { base_color: base_color * kept_base, diffuse: diffuse * kept, ..self.sample };
+        // The ambient colour may be authored without a diffuse part.
+        let Vec3 { x, y, z } = self.ambient - diffuse * transmission;
+        let ambient = Vec3::new(x, y, z).map(|v| v.max(one.lit(0.0)));
+        Self { sample, ambient, ..self }
     }
 }
 
@@ -406,15 +415,19 @@ mod tests {
             variance: 0.0,
         };
         for (name, shading) in Shading::NAMES {
-            let reflected = |base: f32| {
+            let point = |base: f32, values: &MaterialValues<f32>| {
                 let material = Material { base_color: [base, base, base, 1.0], ..Material::default() };
-                let point = MaterialPoint::new(*shading, &MaterialUniforms::new(&material), &values, None);
-                let point = point.transmitting(1.0);
+                MaterialPoint::new(*shading, &MaterialUniforms::new(&material), values, None)
+            };
+            let light = |point: MaterialPoint<f32>| {
                 [shade::reflect(*shading, &point.sample, &Angles::new(n, v, l)), point.ambient]
             };
+            let reflected = |base: f32| light(point(base, &values).transmitting(*shading, 1.0));
             for (dark, bright) in reflected(0.1).into_iter().zip(reflected(0.9)) {
                 assert!((dark - bright).length() < 1e-6, "{name}: {dark:?} {bright:?}");
             }
+            let metal = point(0.9, &MaterialValues { metallic: 1.0, ..values });
+            assert_eq!(light(metal.transmitting(*shading, 1.0)), light(metal), "{name}");
         }
     }
 

@@ -96,7 +96,7 @@ impl<P: Pack> Lanes<'_, P> {
         let dfg = compensated.then(|| self.dfg());
         let mut point = MaterialPoint::new(shading, &self.uniforms(material), &self.values(), dfg);
         if material.transmits() {
-            point = point.transmitting(self.load(&self.batch.material.transmission));
+            point = point.transmitting(shading, self.load(&self.batch.material.transmission));
         }
         let layers = match layered {
             true => self.layers(material, frame.n),

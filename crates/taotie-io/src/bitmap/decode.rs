@@ -55,32 +55,55 @@ pub(super) fn decode(
 /// from which metadata are removed: orientations and colour profiles are not applied to textures. `None` for others.
 fn stored_file(bytes: &[u8], format: ImageFormat) -> Option<Cow<'_, [u8]>> {
     match format {
-        ImageFormat::WebP => matches!(bytes.get(12..16)?, b"VP8 " | b"VP8L").then_some(Cow::Borrowed(bytes)),
+        ImageFormat::WebP => {
+            let length = u32::from_le_bytes(*bytes.get(16..)?.first_chunk()?) as usize;
+            let is_whole = bytes.len() == 20 + length.next_multiple_of(2);
+            (is_whole && matches!(bytes.get(12..16)?, b"VP8 " | b"VP8L")).then_some(Cow::Borrowed(bytes))
+        }
         ImageFormat::Jpeg => jpeg_without_metadata(bytes).map(Cow::Owned),
         _ => None,
     }
 }
 
-/// Returns a JPEG without comments and application data, except those of JFIF and Adobe, which concern its colours;
-/// `None` unless it has one or three components.
+/// Returns a JPEG without comments, application data and anything after its end. JFIF's header is kept without its
+/// thumbnail, and Adobe's, since they concern the colours. `None` unless it has one or three components.
 fn jpeg_without_metadata(bytes: &[u8]) -> Option<Vec<u8>> {
     let mut kept = bytes.get(..2)?.to_vec();
     let mut at = 2;
     loop {
-        let [0xff, marker, high, low] = *bytes.get(at..)?.first_chunk::<4>()? else { return None };
-        let segment = bytes.get(at..at + 2 + usize::from(u16::from_be_bytes([high, low])))?;
+        let [0xff, marker] = *bytes.get(at..)?.first_chunk::<2>()? else { return None };
+        if marker == 0xd9 {
+            kept.extend([0xff, marker]);
+            return Some(kept);
+        }
+        let length = u16::from_be_bytes(*bytes.get(at + 2..)?.first_chunk()?);
+        let segment = bytes.get(at..at + 2 + usize::from(length))?;
+        at += segment.len();
         match marker {
             0xc0..=0xc2 if !matches!(segment.get(9)?, 1 | 3) => return None,
-            0xc0..=0xc2 | 0xc4 | 0xdb | 0xdd | 0xe0 | 0xee => kept.extend_from_slice(segment),
-            0xda => {
-                kept.extend_from_slice(bytes.get(at..)?);
-                return Some(kept);
+            0xc0..=0xc2 | 0xc4 | 0xdb | 0xdd => kept.extend(segment),
+            0xe0 if segment.get(4..9) == Some(b"JFIF\0") => {
+                kept.extend([0xff, marker, 0, 16]);
+                kept.extend(segment.get(4..16)?);
+                kept.extend([0, 0]);
             }
-            0xe1..=0xef | 0xfe => (),
+            0xee => kept.extend(segment.get(..16).filter(|_| length == 14)?),
+            0xda => {
+                let scan = entropy_coded(bytes.get(at..)?)?;
+                kept.extend(segment);
+                kept.extend(scan);
+                at += scan.len();
+            }
+            0xe0..=0xef | 0xfe => (),
             _ => return None,
         }
-        at += segment.len();
     }
+}
+
+/// Returns the bytes before the next marker that does not belong to a scan's data.
+fn entropy_coded(bytes: &[u8]) -> Option<&[u8]> {
+    let is_marker = |pair: &[u8]| pair[0] == 0xff && !matches!(pair[1], 0 | 0xd0..=0xd7 | 0xff);
+    bytes.get(..bytes.windows(2).position(is_marker)?)
 }
 
 fn failure(error: ImageError) -> Failure {

@@ -288,13 +288,13 @@ fn a_mesh_shown_in_two_materials_shares_its_numbers() {
     assert!(size(&data, "two.glb") < one + 2000);
 }
 
-/// Returns a JPEG, and the same one with a place and an orientation in its metadata.
+/// Returns a JPEG, and the same one with metadata, and with bytes after its end.
 fn jpegs() -> [Vec<u8>; 2] {
     let texels = (0..4096u32).map(|i| [(i % 64) as u8, (i / 64) as u8, 255, 255]).collect();
     let plain = encode_jpeg_bitmap(&Bitmap::new(64, 64, 3, Texels::U8(texels)).unwrap(), 90).unwrap();
     let metadata = b"\xff\xe1\0\x0eExif\0\0secret";
     let (start, rest) = plain.split_at(2);
-    let with_metadata = [start, metadata, rest].concat();
+    let with_metadata = [start, metadata, rest, b"secret"].concat();
     [plain, with_metadata]
 }
 

@@ -80,6 +80,12 @@ impl FolderFiles {
     }
 }
 
+/// Returns `true` if pages have files with such a name.
+fn is_of_pages(name: &str) -> bool {
+    let extension = Path::new(name).extension().and_then(|extension| extension.to_str());
+    MANIFESTS.contains(&name) || matches!(extension, Some("glb" | "bin" | "jpg"))
+}
+
 /// Returns the files that a page lists: the page itself only if it is unchanged, and none outside its folder.
 fn listed(page: &str) -> Option<BTreeMap<String, String>> {
     let (before, rest) = page.split_once(START)?;
@@ -88,7 +94,7 @@ fn listed(page: &str) -> Option<BTreeMap<String, String>> {
     let own = sha256_of([before, after].concat().as_bytes());
     hashes.retain(|name, hash| match name.as_str() {
         PAGE => *hash == own,
-        other => Path::new(other).file_name().is_some_and(|name| name == other),
+        other => Path::new(other).file_name().is_some_and(|name| name == other) && is_of_pages(other),
     });
     Some(hashes)
 }

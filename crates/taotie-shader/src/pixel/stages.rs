@@ -446,7 +446,7 @@ impl<'g> Inputs<'g, '_> {
         let dfg = variant.compensated.then(|| self.lobe_dfg());
         let mut point = MaterialPoint::new(variant.shading, &uniforms, &values, dfg);
         if variant.transmits {
-            point = point.transmitting(self.number("m.transmission"));
+            point = point.transmitting(variant.shading, self.number("m.transmission"));
         }
         let sample = &point.sample;
         let none = self.constant(0.0);

@@ -346,7 +346,7 @@ impl<L: Lane> Direct<'_, L> {
         let dfg = self.compensated().then(|| self.dfg("dfg"));
         let mut point = MaterialPoint::new(shading, &uniforms, &values, dfg);
         if self.material().transmits() {
-            point = point.transmitting(self.number("m.transmission"));
+            point = point.transmitting(shading, self.number("m.transmission"));
         }
         let s = &point.sample;
         let mut results = Results::from([
