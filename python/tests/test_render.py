@@ -392,7 +392,7 @@ def test_a_parallel_camera_sees_all_of_an_object_that_turns() -> None:
     vertices, faces = sphere(12, 8)
     long = tt.Mesh(vertices * (0.3, 0.3, 3), faces)
     camera = tt.Camera(azimuth_deg=0, elevation_deg=0, projection="orthographic")
-    for frame in tt.Renderer(long, size=48, camera=camera, background="transparent").turntable(4):
+    for frame in tt.Renderer(long).turntable(4, size=48, camera=camera, background="transparent"):
         assert frame[24, 24, 3] > 0
         assert frame[:, [0, -1], 3].max() == 0
         assert frame[[0, -1], :, 3].max() == 0
