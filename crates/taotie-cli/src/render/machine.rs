@@ -81,6 +81,7 @@ impl Machine {
     }
 
     /// Prints the device and the method for shadows, unless the user chose the CPU.
+    #[cfg_attr(not(feature = "gpu"), allow(unused_variables, reason = "only GPUs have shadows to report"))]
     pub fn report(&self, args: &RenderArgs) {
         match self {
             Self::Cpu(None) => {}
