@@ -74,6 +74,13 @@ export class TaotieViewer extends HTMLElement {
         options?: boolean | AddEventListenerOptions,
     ): void;
     addEventListener(type: string, listener: EventListenerOrEventListenerObject, options?: boolean | AddEventListenerOptions): void;
+
+    removeEventListener<K extends keyof TaotieViewerEventMap>(
+        type: K,
+        listener: (this: TaotieViewer, event: TaotieViewerEventMap[K]) => void,
+        options?: boolean | EventListenerOptions,
+    ): void;
+    removeEventListener(type: string, listener: EventListenerOrEventListenerObject, options?: boolean | EventListenerOptions): void;
 }
 
 declare global {

@@ -152,3 +152,19 @@ def _check_finite(name: str, array: npt.NDArray[np.float32]) -> None:
 
 
 __all__ = ["Array", "PathLike", "colors", "image", "path", "rows", "sides", "triangles"]
+
+
+def matrix(name: str, values: npt.ArrayLike, side: int) -> npt.NDArray[np.float64]:
+    """Return a square matrix of finite numbers."""
+    array = _numbers(name, values)
+    if array.shape != (side, side) or array.dtype.kind not in "iuf" or not np.isfinite(array).all():
+        raise invalid(name, f"an array of shape {array.shape}; expected ({side}, {side}), finite numbers")
+    return array.astype(np.float64)
+
+
+def affine(name: str, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    """Return an affine transform, ``(4, 4)``, for column vectors."""
+    transform = matrix(name, values, 4)
+    if not np.allclose(transform[3], (0, 0, 0, 1)):
+        raise invalid(name, f"its last row is {transform[3].tolist()}; expected 0, 0, 0, 1")
+    return transform

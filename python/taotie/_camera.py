@@ -11,14 +11,15 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
-from ._error import invalid, invalid_type
-from ._repr import brief
+from ._arrays import affine, matrix
+from ._error import invalid, invalid_type, number
+from ._repr import Value
 
 Floats64 = npt.NDArray[np.float64]
 
 
-@dataclass(frozen=True, repr=False)
-class Orbit:
+@dataclass(frozen=True, repr=False, eq=False)
+class Orbit(Value):
     """The position of a camera that orbits the object's centre.
 
     Parameters
@@ -39,12 +40,9 @@ class Orbit:
     elevation_deg: float
     distance: float | None = None
 
-    def __repr__(self) -> str:
-        return brief(self)
-
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Camera:
+class Camera(Value):
     """A camera of the file, one that orbits a target, or one placed by a pose. A separate option overrides its field.
 
     The cameras of images (`Image.camera`) have ``pose``, ``K``, ``projection`` and planes, and can be passed again.
@@ -137,9 +135,6 @@ class Camera:
         seen = np.stack([x, -y, scale], axis=-1) @ intrinsics.T
         return np.stack([seen[..., 0] / seen[..., 2], seen[..., 1] / seen[..., 2], depth], axis=-1)
 
-    def __repr__(self) -> str:
-        return brief(self)
-
 
 def camera_request(options: Mapping[str, Any]) -> dict[str, Any]:
     """Return the camera for the native module."""
@@ -151,8 +146,8 @@ def camera_request(options: Mapping[str, Any]) -> dict[str, Any]:
     angles = {"azimuth": given.azimuth_deg, "elevation": given.elevation_deg, "fov_y": fov_deg}
     request: dict[str, Any] = {
         "name": given.name,
-        "distance": None if given.distance is None else float(given.distance),
-        "target": None if target is None else [float(x) for x in target],
+        "distance": None if given.distance is None else number("distance", given.distance),
+        "target": None if target is None else [number("target", x) for x in target],
         **{name: math.radians(angle) for name, angle in angles.items() if angle is not None},
     }
     return {"options": request, "placed": _placed(given, request, options)}
@@ -185,9 +180,9 @@ def _placed(camera: Camera, request: dict[str, Any], options: Mapping[str, Any])
     placed: dict[str, Any] = {
         "world_from_view": None,
         "is_parallel": is_parallel,
-        "height": None if camera.height is None else float(camera.height),
-        "near": None if camera.near is None else float(camera.near),
-        "far": None if camera.far is None else float(camera.far),
+        "height": None if camera.height is None else number("height", camera.height),
+        "near": None if camera.near is None else number("near", camera.near),
+        "far": None if camera.far is None else number("far", camera.far),
     }
     if camera.pose is None:
         if not is_parallel:
@@ -196,12 +191,13 @@ def _placed(camera: Camera, request: dict[str, Any], options: Mapping[str, Any])
     world_from_view = _pose(camera.pose)
     if camera.K is not None and "fov_deg" not in options:
         intrinsics = _intrinsics(camera.K)
-        height = _size(options, intrinsics)[1]
+        size = _size(options, intrinsics)
+        height = size[1]
         if is_parallel:
             placed["height"] = height / intrinsics[1, 1]
         else:
             request["fov_y"] = 2 * math.atan(height / (2 * intrinsics[1, 1]))
-        world_from_view = world_from_view @ np.linalg.inv(_shear(intrinsics, _size(options, intrinsics), is_parallel))
+        world_from_view = world_from_view @ np.linalg.inv(_shear(intrinsics, size, is_parallel))
     placed["world_from_view"] = world_from_view.T.tolist()
     return placed
 
@@ -230,27 +226,18 @@ def _size(options: Mapping[str, Any], intrinsics: Floats64) -> tuple[float, floa
 
 
 def _pose(values: npt.ArrayLike) -> Floats64:
-    pose = _matrix("pose", values, 4)
+    pose = affine("pose", values)
     turn = pose[:3, :3]
     if not np.allclose(turn.T @ turn, np.eye(3), atol=1e-3) or np.linalg.det(turn) < 0:
         raise invalid("pose", "its axes are not perpendicular unit vectors, right-handed; expected a rigid transform")
-    if not np.allclose(pose[3], (0, 0, 0, 1)):
-        raise invalid("pose", f"its last row is {pose[3].tolist()}; expected 0, 0, 0, 1")
     return pose
 
 
 def _intrinsics(values: npt.ArrayLike) -> Floats64:
-    intrinsics = _matrix("K", values, 3)
+    intrinsics = matrix("K", values, 3)
     if min(intrinsics[0, 0], intrinsics[1, 1]) <= 0 or not np.allclose(intrinsics[[1, 2, 2, 2], [0, 0, 1, 2]], (0, 0, 0, 1)):
         raise invalid("K", f"{intrinsics.tolist()}; expected [[fx, skew, cx], [0, fy, cy], [0, 0, 1]], fx and fy above 0")
     return intrinsics
-
-
-def _matrix(name: str, values: npt.ArrayLike, side: int) -> Floats64:
-    matrix = np.asarray(values, dtype=np.float64)
-    if matrix.shape != (side, side) or not np.isfinite(matrix).all():
-        raise invalid(name, f"an array of shape {matrix.shape}; expected ({side}, {side}), finite numbers")
-    return matrix
 
 
 def camera_of(seen: str, size: tuple[int, int]) -> Camera:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Union
 
@@ -47,10 +47,10 @@ class View:
     <taotie.View 64x64: ggx>
     """
 
-    normals: Floats = field(repr=False)
-    images: dict[str, Floats] = field(repr=False)
-    angles: Floats | None = field(default=None, repr=False)
-    inner_angles: Floats | None = field(default=None, repr=False)
+    normals: Floats
+    images: dict[str, Floats]
+    angles: Floats | None = None
+    inner_angles: Floats | None = None
 
     def __repr__(self) -> str:
         height, width = self.normals.shape[:2]
@@ -75,7 +75,7 @@ class Comparison:
     """
 
     report: dict[str, Any]
-    views: dict[str, View] = field(repr=False)
+    views: dict[str, View]
 
     def mean_deg(self, method: str) -> float | None:
         """Return the mean angle between a method's normals and the truth, away from silhouettes, in degrees.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -38,7 +38,7 @@ class Difference:
     """
 
     figures: dict[str, Any]
-    map: npt.NDArray[np.float32] = field(repr=False)
+    map: npt.NDArray[np.float32]
     title: str
     unit: str
 

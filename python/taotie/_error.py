@@ -154,7 +154,9 @@ def integer(name: str, value: Any, least: int | None = None) -> int:
 
 
 def warn(listed: Iterable[tuple[str, int]], stacklevel: int = 3) -> None:
-    """Issue one warning of each kind, with its count."""
+    """Issue one warning of each kind that occurred, with its count."""
     for what, count in listed:
+        if count == 0:
+            continue
         times = "" if count == 1 else f" ({count} times)"
         warnings.warn(what + times, TaotieWarning, stacklevel=stacklevel)

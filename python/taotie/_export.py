@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from ._arrays import Array
 from ._error import warn
-from ._others import ROLES, Arrays, top_left
+from ._others import ROLES, Arrays, flip_v
 
 __all__ = ["to_open3d", "to_pyvista", "to_trimesh"]
 
@@ -59,26 +59,27 @@ class _Joined:
 
 
 def _codes(linear: Array) -> npt.NDArray[np.uint8]:
-    """Return linear colours as sRGB codes; alpha stays linear."""
+    """Return linear colours, of one to four channels, as sRGB codes; alpha stays linear."""
     clipped = np.clip(linear.astype(np.float64), 0.0, 1.0)
-    rgb = clipped[..., :3]
-    encoded = np.where(rgb <= 0.0031308, rgb * 12.92, 1.055 * rgb ** (1 / 2.4) - 0.055)
-    return np.rint(np.concatenate([encoded, clipped[..., 3:]], axis=-1) * 255.0).astype(np.uint8)
+    colors = linear.shape[-1] - (linear.shape[-1] % 2 == 0)
+    seen = clipped[..., :colors]
+    encoded = np.where(seen <= 0.0031308, seen * 12.92, 1.055 * seen ** (1 / 2.4) - 0.055)
+    return np.rint(np.concatenate([encoded, clipped[..., colors:]], axis=-1) * 255.0).astype(np.uint8)
 
 
 def to_trimesh(parts: Sequence[Arrays], left_out: Sequence[tuple[str, int]]) -> Any:
     """Return the parts of a native model as a ``trimesh.Trimesh``."""
     trimesh: Any = importlib.import_module("trimesh")
     joined = _Joined(parts)
-    visual: Any = None
-    colors = joined.surface_colors()
+    visual: Any
     if joined.uvs is None and joined.is_plain:
+        colors = joined.surface_colors()
         visual = None if colors is None else trimesh.visual.ColorVisuals(vertex_colors=colors)
     else:
         materials = [_to_trimesh_material(joined, number) for number in range(len(parts))]
         several = {} if len(materials) == 1 else {"face_materials": joined.kinds}
         whole = materials[0] if len(materials) == 1 else trimesh.visual.material.MultiMaterial(materials)
-        uvs = None if joined.uvs is None else top_left(joined.uvs)
+        uvs = None if joined.uvs is None else flip_v(joined.uvs)
         visual = trimesh.visual.TextureVisuals(uv=uvs, material=whole, **several)
         if joined.has_colors:
             # Linear codes, as trimesh reads them from glTF, and writes them there.
@@ -103,12 +104,12 @@ def _to_trimesh_material(joined: _Joined, number: int) -> Any:
     }
     for role, texels in part["textures"].items():
         if role in ROLES:
-            given[ROLES[role]] = _to_pil(joined, role, _eight_bits(role, texels, part["is_green_down"]))
+            given[ROLES[role]] = _to_pil(joined, _eight_bits(role, texels, part["is_green_down"]))
         else:
             joined.left_out[f"left out a {role.replace('_', ' ')}, which trimesh does not support"] += 1
     for name in ("normal_scale", "occlusion_strength"):
-        joined.left_out[f"left out a {name.replace('_', ' ')}, which trimesh does not support"] += factors[name] != 1.0
-    joined.left_out = +joined.left_out
+        if factors[name] != 1.0:
+            joined.left_out[f"left out a {name.replace('_', ' ')}, which trimesh does not support"] += 1
     return trimesh.visual.material.PBRMaterial(**given)
 
 
@@ -116,8 +117,9 @@ def _eight_bits(role: str, texels: Array, is_green_down: bool) -> npt.NDArray[np
     """Return texels with 8 bits per channel, and green up."""
     if texels.dtype == np.float32:
         # Floats are linear in every texture.
-        is_color = role in ("base_color_texture", "emissive_texture") and texels.ndim == 3 and texels.shape[2] > 2
-        texels = _codes(texels) if is_color else np.rint(np.clip(texels, 0, 1) * 255).astype(np.uint8)
+        is_color = role in ("base_color_texture", "emissive_texture")
+        channels = texels.reshape(*texels.shape[:2], -1)
+        texels = _codes(channels).reshape(texels.shape) if is_color else np.rint(np.clip(texels, 0, 1) * 255).astype(np.uint8)
     elif texels.dtype == np.uint16:
         texels = np.rint(texels / 257.0).astype(np.uint8)
     if role == "normal_texture" and is_green_down:
@@ -126,7 +128,7 @@ def _eight_bits(role: str, texels: Array, is_green_down: bool) -> npt.NDArray[np
     return texels
 
 
-def _to_pil(joined: _Joined, role: str, texels: npt.NDArray[np.uint8]) -> Any:
+def _to_pil(joined: _Joined, texels: npt.NDArray[np.uint8]) -> Any:
     try:
         from PIL import Image
     except ImportError:
@@ -144,7 +146,7 @@ def to_pyvista(parts: Sequence[Arrays], omitted: Sequence[tuple[str, int]]) -> A
         mesh.point_data["Normals"] = joined.normals
         mesh.point_data.active_normals_name = "Normals"
     if joined.uvs is not None:
-        mesh.active_texture_coordinates = top_left(joined.uvs)
+        mesh.active_texture_coordinates = flip_v(joined.uvs)
     colors = joined.surface_colors()
     if colors is not None:
         mesh.point_data["RGBA"] = colors
@@ -154,7 +156,7 @@ def to_pyvista(parts: Sequence[Arrays], omitted: Sequence[tuple[str, int]]) -> A
     left_out = [pair for pair in omitted if "texture" not in pair[0]]
     left_out.append(("left out a texture: a PyVista mesh holds none; pass it to plotter.add_mesh", textures))
     left_out.append(("left out a material's metalness, roughness and layers: a PyVista mesh holds none", others))
-    warn([(what, count) for what, count in left_out if count], stacklevel=4)
+    warn(left_out, stacklevel=4)
     return mesh
 
 
@@ -171,7 +173,7 @@ def to_open3d(parts: Sequence[Arrays], omitted: Sequence[tuple[str, int]]) -> An
         mesh.vertex_colors = vectors.Vector3dVector(colors[:, :3] / 255.0)
     images = [_color_image(part) for part in parts]
     if joined.uvs is not None and any(image is not None for image in images):
-        mesh.triangle_uvs = vectors.Vector2dVector(top_left(joined.uvs)[joined.faces.reshape(-1)])
+        mesh.triangle_uvs = vectors.Vector2dVector(flip_v(joined.uvs)[joined.faces.reshape(-1)])
         # Its first row is the bottom one.
         white = np.full((1, 1, 3), 255, np.uint8)
         flipped = [np.ascontiguousarray((white if image is None else image)[::-1]) for image in images]
@@ -182,7 +184,7 @@ def to_open3d(parts: Sequence[Arrays], omitted: Sequence[tuple[str, int]]) -> An
     other = "left out a texture other than of the base colour: Open3D's TriangleMesh holds none"
     left_out = [*omitted, (other, others)]
     left_out.append(("left out a material's factors: Open3D's TriangleMesh holds none", factors))
-    warn([(what, count) for what, count in left_out if count], stacklevel=4)
+    warn(left_out, stacklevel=4)
     return mesh
 
 

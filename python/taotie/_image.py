@@ -20,7 +20,7 @@ _FORMATS = (".png", ".jpg", ".jpeg", ".webp")
 class Image(np.ndarray[Any, np.dtype[np.uint8]]):
     """An image: an array ``(height, width, 4)`` of uint8, sRGB with straight alpha.
 
-    Notebooks display it, and `save` writes it. In every other respect it is a NumPy array: reductions of it are
+    Notebooks display it, and `save` writes it. Otherwise it is a NumPy array: reductions of it are
     scalars, and other packages take it without a copy, as by ``torch.from_dlpack(image)``.
 
     Attributes

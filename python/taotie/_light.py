@@ -12,11 +12,11 @@ import numpy.typing as npt
 
 from ._arrays import Array, PathLike, image
 from ._error import invalid
-from ._repr import brief
+from ._repr import Value
 
 
-@dataclass(frozen=True, repr=False)
-class Environment:
+@dataclass(frozen=True, repr=False, eq=False)
+class Environment(Value):
     """Light from all directions. An option given separately overrides its field.
 
     Parameters
@@ -44,9 +44,6 @@ class Environment:
     intensity: float = 1.0
     visible: bool = False
 
-    def __repr__(self) -> str:
-        return brief(self)
-
 
 def radiance(values: Any) -> Array:
     """Return an equirectangular image of light in the form that the native module takes."""
@@ -63,8 +60,8 @@ def is_named(source: Any) -> bool:
     return isinstance(source, (str, os.PathLike))
 
 
-@dataclass(frozen=True, repr=False)
-class Light:
+@dataclass(frozen=True, repr=False, eq=False)
+class Light(Value):
     """A light that keeps its position relative to the camera on a turntable. ``str`` returns its text.
 
     Parameters
@@ -110,9 +107,6 @@ class Light:
     def __str__(self) -> str:
         values = ((field.name.removesuffix("_deg"), getattr(self, field.name)) for field in fields(self)[1:])
         return " ".join([self.kind, *(f"{key}={_word(value)}" for key, value in values if value is not None)])
-
-    def __repr__(self) -> str:
-        return brief(self)
 
 
 def _word(value: Any) -> str:

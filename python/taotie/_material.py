@@ -11,8 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from ._arrays import Array, PathLike, image
-from ._error import invalid, invalid_type
-from ._repr import brief
+from ._error import invalid, invalid_type, number
+from ._repr import Value
 
 #: A colour in CSS syntax, a linear grey value, or linear RGB.
 Color: TypeAlias = Union[str, float, Sequence[float]]
@@ -20,8 +20,8 @@ Color: TypeAlias = Union[str, float, Sequence[float]]
 Texture: TypeAlias = Union[PathLike, npt.ArrayLike]
 
 
-@dataclass(frozen=True, repr=False)
-class Material:
+@dataclass(frozen=True, repr=False, eq=False)
+class Material(Value):
     """Material properties; each given value applies to every material of the model.
 
     Maps are files, PIL images, or arrays ``(height, width, channels)`` with the first row at the top: uint8, uint16, or
@@ -113,7 +113,7 @@ class Material:
             "emissive": None if emissive is None else rgb(emissive),
         }
         maps |= {
-            "normal_scale": float(self.normal_scale),
+            "normal_scale": number("normal_scale", self.normal_scale),
             "normal_space": self.normal_space,
             "green": self.green,
             "height_scale": bump_scale,
@@ -126,9 +126,6 @@ class Material:
             "green": self.green,
         }
         return {"options": options, "arrays": arrays}
-
-    def __repr__(self) -> str:
-        return brief(self)
 
 
 def material(value: Material | PathLike | None) -> Material:

@@ -11,7 +11,7 @@ from . import _taotie
 from ._arrays import PathLike, colors as rgba, rows, triangles
 from ._error import invalid, invalid_type, warn
 from ._material import Material, material as a_material
-from ._others import Parts, parts_of
+from ._others import WHITE, Parts, parts_of
 from ._run import running
 
 
@@ -52,7 +52,7 @@ def native_of_arrays(
     parts = Parts()
     # Vertex colours and textures are the surface's own, not tints of the default grey.
     is_colored = colors is not None or a_material(material).base_color_map is not None
-    look = parts.material({"base_color": [1.0, 1.0, 1.0, 1.0]} if is_colored else {})
+    look = parts.material({"base_color": WHITE} if is_colored else {})
     given = {"vertices": vertices, "faces": faces, "normals": normals, "uvs": uvs, "colors": colors}
     parts.place(parts.mesh(given), look)
     return native_of_parts(parts, material)

@@ -14,10 +14,10 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from ._arrays import Array, image
+from ._arrays import Array, affine, image
 from ._error import invalid
 
-__all__ = ["ROLES", "Arrays", "Parts", "parts_of", "top_left"]
+__all__ = ["ROLES", "WHITE", "Arrays", "Parts", "flip_v", "parts_of"]
 
 Arrays: TypeAlias = dict[str, Any]
 
@@ -37,12 +37,9 @@ _OPEN3D_ROLES = {
     "occlusion_texture": "ambient_occlusion",
 }
 
-#: Factors by name, with their names in Open3D's materials.
-_OPEN3D_NUMBERS = {"metallic": "metallic", "roughness": "roughness"}
-
-#: The materials of files without any: such files are full of inconsistently wound faces.
+#: The material of meshes without one, whose faces are often wound inconsistently.
 _BARE = {"double_sided": True}
-_WHITE = [1.0, 1.0, 1.0, 1.0]
+WHITE = [1.0, 1.0, 1.0, 1.0]
 
 
 class Parts:
@@ -69,15 +66,15 @@ class Parts:
 
     def place(self, mesh: int, material: int, transform: Any = None) -> None:
         """Place a mesh with a material, by a matrix ``(4, 4)`` from object to world."""
-        rows = None if transform is None else np.asarray(transform, dtype=np.float64).tolist()
-        self.instances.append({"mesh": mesh, "material": material, "world_from_object": rows})
+        columns = None if transform is None else affine("transform", transform).T.tolist()
+        self.instances.append({"mesh": mesh, "material": material, "world_from_object": columns})
 
     def leave_out(self, what: str, count: int = 1) -> None:
         """Count something that cannot be carried over."""
         if count:
             self.left_out[what] += count
 
-    def fitting(self, textures: Mapping[str, Any], arrays: Arrays) -> dict[str, Any]:
+    def usable_textures(self, textures: Mapping[str, Any], arrays: Arrays) -> dict[str, Any]:
         """Return the textures that a mesh can have: none without UVs."""
         found = {role: texture for role, texture in textures.items() if texture is not None}
         if found and arrays.get("uvs") is None:
@@ -100,19 +97,24 @@ def parts_of(thing: Any) -> Parts | None:
         package = kind.__module__.partition(".")[0]
         reader = _READERS.get((package, kind.__name__))
         if reader is not None:
-            reader(parts, thing, None)
+            reader(parts, thing)
             break
     else:
         if not (hasattr(thing, "vertices") and hasattr(thing, "faces")):
             return None
         arrays = {"vertices": thing.vertices, "faces": thing.faces}
-        parts.place(parts.mesh(arrays), parts.material(_BARE))
+        parts.place(parts.mesh(arrays), parts.material(_look(False)))
     if not parts.instances:
         raise invalid(f"model of type {type(thing).__name__}", "it has no triangles; expected a mesh")
     return parts
 
 
-def top_left(uvs: Any) -> npt.NDArray[np.float64]:
+def _look(is_colored: bool) -> Arrays:
+    """Return the factors of a mesh without a material: white if it has colours or textures."""
+    return {**_BARE, "base_color": WHITE} if is_colored else dict(_BARE)
+
+
+def flip_v(uvs: Any) -> npt.NDArray[np.float64]:
     """Convert UVs between origins at the bottom left and at the top left."""
     flipped: npt.NDArray[np.float64] = np.asarray(uvs, dtype=np.float64)[:, :2] * [1.0, -1.0] + [0.0, 1.0]
     return flipped
@@ -168,7 +170,7 @@ def _taken(arrays: Arrays, vertices: Array, faces: Array) -> Arrays:
 # trimesh
 
 
-def _scene_of_trimesh(parts: Parts, scene: Any, _: Any) -> None:
+def _scene_of_trimesh(parts: Parts, scene: Any) -> None:
     numbers: dict[str, list[tuple[int, int]]] = {}
     for node in scene.graph.nodes_geometry:
         transform, name = scene.graph[node]
@@ -182,7 +184,7 @@ def _scene_of_trimesh(parts: Parts, scene: Any, _: Any) -> None:
             parts.place(mesh, material, transform)
 
 
-def _of_trimesh(parts: Parts, mesh: Any, _: Any) -> None:
+def _of_trimesh(parts: Parts, mesh: Any) -> None:
     for number, material in _meshes_of_trimesh(parts, mesh):
         parts.place(number, material)
 
@@ -199,10 +201,9 @@ def _meshes_of_trimesh(parts: Parts, mesh: Any) -> list[tuple[int, int]]:
             arrays["colors"] = np.asarray(visual.vertex_colors)
         elif visual.kind == "face":
             arrays = _with_face_colors(arrays, np.asarray(visual.face_colors))
-        look = {**_BARE, "base_color": _WHITE} if "colors" in arrays else _BARE
-        return [(parts.mesh(arrays), parts.material(look))]
+        return [(parts.mesh(arrays), parts.material(_look("colors" in arrays)))]
     if visual.uv is not None and len(visual.uv) == len(arrays["vertices"]):
-        arrays["uvs"] = top_left(visual.uv)
+        arrays["uvs"] = flip_v(visual.uv)
     colors = visual.vertex_attributes.get("color")
     if colors is not None and len(colors) == len(arrays["vertices"]):
         arrays["colors"] = _linear_share(np.asarray(colors))
@@ -228,34 +229,34 @@ def _material_of_trimesh(parts: Parts, material: Any, arrays: Arrays) -> int:
         return _simple_material(parts, material, arrays)
     factors: Arrays = {
         "name": material.name or "",
-        "base_color": _WHITE if material.baseColorFactor is None else _share(material.baseColorFactor),
-        "metallic": _or(material.metallicFactor, 1.0),
-        "roughness": _or(material.roughnessFactor, 1.0),
-        "emissive": [float(x) for x in _or(material.emissiveFactor, (0.0, 0.0, 0.0))],
+        "base_color": WHITE if material.baseColorFactor is None else _fractions(material.baseColorFactor),
+        "metallic": _default(material.metallicFactor, 1.0),
+        "roughness": _default(material.roughnessFactor, 1.0),
+        "emissive": [float(x) for x in _default(material.emissiveFactor, (0.0, 0.0, 0.0))],
         "alpha": material.alphaMode or "OPAQUE",
-        "alpha_cutoff": _or(material.alphaCutoff, 0.5),
+        "alpha_cutoff": _default(material.alphaCutoff, 0.5),
         "double_sided": bool(material.doubleSided),
     }
     textures = {role: getattr(material, name) for role, name in ROLES.items()}
-    return parts.material(factors, parts.fitting(textures, arrays))
+    return parts.material(factors, parts.usable_textures(textures, arrays))
 
 
-def _or(value: Any, default: Any) -> Any:
+def _default(value: Any, default: Any) -> Any:
     return default if value is None else value
 
 
-def _share(codes: Any) -> list[float]:
+def _fractions(codes: Any) -> list[float]:
     """Return factors in [0, 1] from the codes in which trimesh keeps them; they are linear, as in glTF and OBJ."""
     return [int(code) / 255.0 for code in codes]
 
 
 def _simple_material(parts: Parts, material: Any, arrays: Arrays) -> int:
     """Add the material of an OBJ file, as our own reader does."""
-    textures = parts.fitting({"base_color_texture": getattr(material, "image", None)}, arrays)
-    color = _share(_or(getattr(material, "diffuse", None), (255, 255, 255, 255)))
+    textures = parts.usable_textures({"base_color_texture": getattr(material, "image", None)}, arrays)
+    color = _fractions(_default(getattr(material, "diffuse", None), (255, 255, 255, 255)))
     # With a texture, black and trimesh's default grey mean that no colour was given.
-    if textures and (max(color[:3]) == 0.0 or color == _share((102, 102, 102, 255))):
-        color = _WHITE
+    if textures and (max(color[:3]) == 0.0 or color == _fractions((102, 102, 102, 255))):
+        color = WHITE
     factors = {**_BARE, "name": getattr(material, "name", None) or "", "base_color": color}
     shininess = getattr(material, "_glossiness", None)
     if shininess is not None:
@@ -268,14 +269,14 @@ def _simple_material(parts: Parts, material: Any, arrays: Arrays) -> int:
 # PyVista
 
 
-def _blocks_of_pyvista(parts: Parts, blocks: Any, _: Any) -> None:
+def _blocks_of_pyvista(parts: Parts, blocks: Any) -> None:
     for block in blocks:
         if block is None:
             continue
-        (_blocks_of_pyvista if hasattr(block, "n_blocks") else _of_pyvista)(parts, block, None)
+        (_blocks_of_pyvista if hasattr(block, "n_blocks") else _of_pyvista)(parts, block)
 
 
-def _of_pyvista(parts: Parts, data: Any, _: Any) -> None:
+def _of_pyvista(parts: Parts, data: Any) -> None:
     mesh = data if hasattr(data, "is_all_triangles") else _surface(data)
     lost = int(mesh.n_lines) + int(mesh.n_verts)
     parts.leave_out("left out a line or point of a mesh", lost)
@@ -289,15 +290,14 @@ def _of_pyvista(parts: Parts, data: Any, _: Any) -> None:
         arrays["normals"] = np.asarray(normals)
     uvs = mesh.active_texture_coordinates
     if uvs is not None:
-        arrays["uvs"] = top_left(uvs)
+        arrays["uvs"] = flip_v(uvs)
     colors = _colors_of_pyvista(parts, mesh.point_data)
     of_faces = None if colors is not None else _colors_of_pyvista(parts, mesh.cell_data)
     if colors is not None:
         arrays["colors"] = colors
     elif of_faces is not None:
         arrays = _with_face_colors(arrays, of_faces)
-    look = {**_BARE, "base_color": _WHITE} if "colors" in arrays else _BARE
-    parts.place(parts.mesh(arrays), parts.material(look))
+    parts.place(parts.mesh(arrays), parts.material(_look("colors" in arrays)))
 
 
 def _surface(data: Any) -> Any:
@@ -322,7 +322,7 @@ def _colors_of_pyvista(parts: Parts, data: Any) -> Array | None:
 # Open3D
 
 
-def _of_open3d(parts: Parts, mesh: Any, _: Any) -> None:
+def _of_open3d(parts: Parts, mesh: Any) -> None:
     if ".t.geometry" in type(mesh).__module__:
         _of_open3d_tensors(parts, mesh.cpu())
         return
@@ -332,20 +332,20 @@ def _of_open3d(parts: Parts, mesh: Any, _: Any) -> None:
     if mesh.has_vertex_colors():
         arrays["colors"] = _decoded(np.asarray(mesh.vertex_colors))
     if mesh.has_triangle_uvs():
-        arrays = _with_corner_uvs(arrays, top_left(mesh.triangle_uvs))
+        arrays = _with_corner_uvs(arrays, flip_v(mesh.triangle_uvs))
     # Their first row is the bottom one.
     images = [None if one.is_empty() else np.asarray(one)[::-1] for one in mesh.textures]
-    look = {**_BARE, "base_color": _WHITE} if images or "colors" in arrays else _BARE
+    look = _look(bool(images) or "colors" in arrays)
     kinds = np.asarray(mesh.triangle_material_ids)
     if len(images) < 2 or len(kinds) != len(arrays["faces"]):
         textures = {"base_color_texture": images[0] if images else None}
         parts.leave_out("left out a texture that no triangle refers to", len(images[1:]))
-        parts.place(parts.mesh(arrays), parts.material(look, parts.fitting(textures, arrays)))
+        parts.place(parts.mesh(arrays), parts.material(look, parts.usable_textures(textures, arrays)))
         return
     for kind in np.unique(kinds):
         own = _subset(arrays, kinds == kind)
         textures = {"base_color_texture": images[kind] if 0 <= kind < len(images) else None}
-        parts.place(parts.mesh(own), parts.material(look, parts.fitting(textures, own)))
+        parts.place(parts.mesh(own), parts.material(look, parts.usable_textures(textures, own)))
 
 
 def _of_open3d_tensors(parts: Parts, mesh: Any) -> None:
@@ -355,23 +355,23 @@ def _of_open3d_tensors(parts: Parts, mesh: Any) -> None:
     if "colors" in vertex:
         arrays["colors"] = _decoded(vertex["colors"])
     if "texture_uvs" in face:
-        arrays = _with_corner_uvs(arrays, top_left(face["texture_uvs"].reshape(-1, 2)))
+        arrays = _with_corner_uvs(arrays, flip_v(face["texture_uvs"].reshape(-1, 2)))
     elif "texture_uvs" in vertex:
-        arrays["uvs"] = top_left(vertex["texture_uvs"])
+        arrays["uvs"] = flip_v(vertex["texture_uvs"])
     if "colors" in face and "colors" not in vertex:
         arrays = _with_face_colors(arrays, _decoded(face["colors"]))
-    factors: Arrays = {**_BARE, "base_color": _WHITE} if "colors" in arrays else dict(_BARE)
+    factors = _look("colors" in arrays)
     textures: dict[str, Any] = {}
     if mesh.has_valid_material():
         factors |= _factors_of_open3d(mesh.material)
         maps = {name: mesh.material.texture_maps[name].as_tensor().numpy() for name in mesh.material.texture_maps}
         textures = _textures_of_open3d(parts, maps)
-    parts.place(parts.mesh(arrays), parts.material(factors, parts.fitting(textures, arrays)))
+    parts.place(parts.mesh(arrays), parts.material(factors, parts.usable_textures(textures, arrays)))
 
 
 def _factors_of_open3d(material: Any) -> Arrays:
     numbers, vectors = material.scalar_properties, material.vector_properties
-    factors: Arrays = {ours: float(numbers[name]) for ours, name in _OPEN3D_NUMBERS.items() if name in numbers}
+    factors: Arrays = {name: float(numbers[name]) for name in ("metallic", "roughness") if name in numbers}
     if "base_color" in vectors:
         factors["base_color"] = [float(x) for x in vectors["base_color"]]
     if "emissive_color" in vectors:
@@ -382,7 +382,7 @@ def _factors_of_open3d(material: Any) -> Arrays:
 def _first_share(texture: Array) -> Array:
     """Return the first channel of a texture, with integers as shares of their maximum."""
     first = texture.reshape(*texture.shape[:2], -1)[:, :, 0]
-    return (first if first.dtype.kind == "f" else first / np.iinfo(first.dtype).max).astype(np.float32)
+    return _linear_share(first).astype(np.float32)
 
 
 def _textures_of_open3d(parts: Parts, maps: dict[str, Array]) -> dict[str, Any]:
@@ -414,7 +414,7 @@ def _decoded(colors: Array) -> Array:
     return np.concatenate([linear, colors[:, 3:]], axis=1)
 
 
-_Reader = Callable[[Parts, Any, Any], None]
+_Reader = Callable[[Parts, Any], None]
 
 #: The readers by package and class.
 _READERS: dict[tuple[str, str], _Reader] = {

@@ -146,9 +146,9 @@ class Proof:
     """
 
     figures: Mapping[str, Any]
-    error_map: Floats | None = field(repr=False)
-    color_map: Floats | None = field(default=None, repr=False)
-    detail_map: Floats | None = field(default=None, repr=False)
+    error_map: Floats | None
+    color_map: Floats | None = None
+    detail_map: Floats | None = None
     options: Mapping[str, int] = field(default_factory=dict)
 
     @property
@@ -273,7 +273,7 @@ class Proof:
         }
         if (size := self.figures.get("bytes_out")) is not None:
             rows["bytes"] = f"{size:,}"
-        cells = "".join(f"<tr><th>{html.escape(name)}</th><td>{html.escape(text)}</td></tr>" for name, text in rows.items())
+        cells = "".join(f"<tr><th>{name}</th><td>{html.escape(text)}</td></tr>" for name, text in rows.items())
         return f"<table>{cells}</table>{self._error_picture()}"
 
     def _error_picture(self) -> str:
@@ -281,7 +281,7 @@ class Proof:
             return ""
         most = max(float(np.nanpercentile(self.error_map, 99)), 1e-3)
         data = base64.b64encode(_picture(self.error_map, most)).decode()
-        caption = f"Error of the normals on the surface: dark blue is 0°, red {most:.3g}° and more"
+        caption = f"Error of the normals on the surface: dark violet is 0°, yellow {most:.3g}° and more"
         picture = f'<img alt="{caption}" src="data:image/png;base64,{data}">'
         return f"<figure>{picture}<figcaption>{caption}</figcaption></figure>"
 
@@ -336,19 +336,11 @@ def measured(measure: Callable[[dict[str, int], Running], dict[str, Any]], optio
     return proof
 
 
-#: Colours of a map of errors from its least value to its greatest, sRGB.
-_RAMP = np.array([[13, 22, 66], [38, 86, 160], [60, 160, 160], [160, 205, 110], [250, 220, 70], [240, 90, 40]])
 #: The most pixels along a side of a map in a notebook.
 _SHOWN = 320
 
 
 def _picture(values: Floats, most: float) -> bytes:
-    """Return the PNG of a map, transparent where it is NaN."""
+    """Return the PNG of a map in the colours of report pages, transparent where it is NaN."""
     step = -(-max(values.shape) // _SHOWN)
-    values = values[::step, ::step]
-    at = np.nan_to_num(np.clip(values / most, 0, 1)) * (len(_RAMP) - 1)
-    codes = np.empty((*values.shape, 4), np.uint8)
-    for channel in range(3):
-        codes[..., channel] = np.interp(at, np.arange(len(_RAMP)), _RAMP[:, channel]).round()
-    codes[..., 3] = np.where(np.isnan(values), 0, 255)
-    return _taotie.write_png(codes)
+    return _taotie.write_heat(np.ascontiguousarray(values[::step, ::step], dtype=np.float32), most)

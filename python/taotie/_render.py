@@ -13,7 +13,7 @@ from ._image import Buffers, Image, image
 from ._native import native_model
 from ._options import Aov, ImageOptions, RendererOptions, RenderOptions, TurntableOptions
 from ._options import check, chosen, environment, image_request, names, renderer_request, takes
-from ._run import listener, running
+from ._run import running, shown
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -121,7 +121,7 @@ class Renderer:
         (4, 32, 32, 4)
         """
         check("Renderer.turntable", options, TurntableOptions)
-        with listener(options.get("progress"), {"render": 1.0}) as listened:
+        with shown(options.get("progress"), {"render": 1.0}) as listened:
 
             def frame(index: int) -> Any:
                 def report(stage: str, done: float) -> object:

@@ -37,11 +37,17 @@ def running(progress: Progress, threads: int | None, stages: Mapping[str, float]
 
 @contextlib.contextmanager
 def listener(progress: Progress, stages: Mapping[str, float] = {}) -> Iterator[Callable[[str, float], Any] | None]:
-    """Yield the callable that hears of progress, or None: it moves a bar if requested, and logs stages."""
+    """Yield the callable that receives progress, or None: it moves a bar if requested, and logs stages."""
+    with shown(progress, stages) as receiver:
+        yield _Logged(receiver) if log.isEnabledFor(logging.DEBUG) else receiver
+
+
+@contextlib.contextmanager
+def shown(progress: Progress, stages: Mapping[str, float] = {}) -> Iterator[Callable[[str, float], Any] | None]:
+    """Yield the callable that receives progress, or None: it moves a bar if requested."""
     bar = _bar(stages) if progress is True else None
-    shown: Callable[[str, float], Any] | None = bar if isinstance(progress, bool) else progress
     try:
-        yield _Logged(shown) if log.isEnabledFor(logging.DEBUG) else shown
+        yield bar if isinstance(progress, bool) else progress
     finally:
         if bar is not None:
             bar.close()

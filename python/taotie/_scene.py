@@ -9,12 +9,13 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _taotie
-from ._error import invalid, invalid_type
+from ._arrays import affine
+from ._error import invalid_type
 from ._model import Model, model as a_model
 
 
 class Scene(Model):
-    """A model of several ones, each placed by a transform, with their materials, lights and cameras.
+    """A model of several models, each placed by a transform, with their materials, lights and cameras.
 
     Parameters
     ----------
@@ -47,13 +48,5 @@ class Scene(Model):
             if id(given) not in models:
                 # The object is kept, so that no other one gets its identity.
                 models[id(given)] = (given, a_model(given)._native)
-            parts.append((models[id(given)][1], _columns(transform)))
+            parts.append((models[id(given)][1], affine("transform", transform).T.tolist()))
         super().__init__(_taotie.join(parts))
-
-
-def _columns(transform: npt.ArrayLike) -> list[list[float]]:
-    matrix = np.asarray(transform, dtype=np.float64)
-    if matrix.shape != (4, 4) or not np.isfinite(matrix).all() or not np.allclose(matrix[3], (0, 0, 0, 1)):
-        raise invalid("transform", f"an array of shape {matrix.shape}; expected (4, 4), finite, last row 0, 0, 0, 1")
-    columns: list[list[float]] = matrix.T.tolist()
-    return columns

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -33,8 +33,8 @@ class Converted:
     <taotie.Converted 8x8 uint8>
     """
 
-    map: Array = field(repr=False)
-    error_deg: npt.NDArray[np.float32] = field(repr=False)
+    map: Array
+    error_deg: npt.NDArray[np.float32]
 
     def __repr__(self) -> str:
         height, width = self.map.shape[:2]

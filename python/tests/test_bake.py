@@ -202,6 +202,7 @@ def test_one_bar_shows_all_stages(scan: tt.Model, monkeypatch: pytest.MonkeyPatc
     asset = tt.bake(scan, triangles=300, size=256, samples=16, progress=True)
     asset.verify(scan, points=1000, view=64, progress=True)
     assert len(Bar.made) == 2 and all(len(set(bar.stages)) > 1 for bar in Bar.made)
+    assert all(bar.n > 0.7 * bar.total for bar in Bar.made), [bar.n for bar in Bar.made]
 
 
 def test_stages_and_results_are_logged(scan: tt.Model, tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:

@@ -490,7 +490,7 @@ test("bookmarks can be deleted, and survive a reload", async () => {
     await page.getByRole("button", { name: "Clay", exact: true }).click();
     assert.equal((await state(page)).mode, "clay");
     await page.getByRole("button", { name: "Delete “Clay”" }).click();
-    await page.getByRole("button", { name: "Restore those of the page" }).click();
+    await page.getByRole("button", { name: "Restore the page's bookmarks" }).click();
     assert.deepEqual(await titles(), ["The rim <i>"]);
     assertQuiet(page);
     await page.close();

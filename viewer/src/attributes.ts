@@ -1,7 +1,7 @@
 // Converts attributes of the element to parts of a state.
 
 import type { Data } from "./data";
-import { fault, shownValue } from "./fields";
+import { FIELDS, acceptedText, fault, numbersOf, shownValue } from "./fields";
 import type { State } from "./state";
 
 /** Returns the part of the state that a value sets; undefined if its form is wrong. */
@@ -13,20 +13,15 @@ interface Attribute {
     accepts(data: Data): string;
 }
 
-function numbers(value: string): number[] {
-    const all = value.split(",").map((each) => (each.trim() === "" ? NaN : Number(each)));
-    return all.every(Number.isFinite) ? all : [];
-}
-
 const light: Reader = (value) => {
     if (value === "given") return { light: "given" };
-    const [azimuth, elevation, strength, ...more] = numbers(value);
+    const [azimuth, elevation, strength, ...more] = numbersOf(value) ?? [];
     if (azimuth === undefined || elevation === undefined || more.length > 0) return undefined;
     return { light: "raking", from: [azimuth, elevation], ...(strength === undefined ? {} : { strength }) };
 };
 
 const camera: Reader = (value, { view }) => {
-    const [azimuth, elevation, distance, ...more] = numbers(value);
+    const [azimuth, elevation, distance, ...more] = numbersOf(value) ?? [];
     if (azimuth === undefined || elevation === undefined || more.length > 0) return undefined;
     return { view: [azimuth, elevation, distance ?? view[2]] };
 };
@@ -42,7 +37,7 @@ const ATTRIBUTES = {
     },
     shading: {
         read: (shading) => ({ shading }),
-        accepts: ({ shadings }) => `one of: ${shadings.join(", ")}`,
+        accepts: (data) => acceptedText(FIELDS.shading, data),
     },
 } satisfies Record<string, Attribute>;
 

@@ -8,7 +8,7 @@ import { kept, keep } from "./storage";
 import { texts } from "./texts";
 import type { Viewer } from "./viewer";
 
-/** The user's changes of a page's bookmarks. */
+/** The user's changes to a page's bookmarks. */
 interface Changes {
     added: Bookmark[];
     /** Deleted bookmarks of the page. */
@@ -18,7 +18,7 @@ interface Changes {
 const isBookmark = (value: unknown): value is Bookmark =>
     ["title", "text", "link"].every((name) => typeof (value as Record<string, unknown> | null)?.[name] === "string");
 
-/** The changes kept by the browser under a name; none if there are none, or if they are not sound. */
+/** The changes kept by the browser under a name; empty if there are none, or if they are invalid. */
 function changesOf(name: string): Changes {
     const value = kept(name) as Partial<Changes> | undefined;
     const list = (of: unknown): Bookmark[] => (Array.isArray(of) ? of.filter(isBookmark) : []);

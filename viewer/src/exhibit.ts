@@ -15,11 +15,11 @@ import {
 import { checker } from "./checker";
 import type { Data, ModelData, Orbit } from "./data";
 import { ErrorMaps } from "./error_map";
+import { BEST } from "./fields";
 import { type Frame, Materials, PRINTED } from "./materials";
 import { isShaded } from "./modes";
 import { type Model, readModel } from "./model";
 import { ShadowMap } from "./shadows";
-import { BEST } from "./fields";
 import type { State } from "./state";
 import { type Source, Textures } from "./textures";
 

@@ -3,7 +3,7 @@
 import type { State } from "../taotie-viewer";
 import type { Data } from "./data";
 
-export const MODES = [
+const MODES = [
     "shaded",
     "clay",
     "base-color",
@@ -21,19 +21,17 @@ export const TONES = ["neutral", "linear", "reinhard", "aces", "agx"] as const;
 /** The method chosen by the material. */
 export const BEST = "best";
 /** The choices right of the wipe handle: nothing, the model without its map, and the scan. */
-export const BESIDE = ["none", "smooth", "scan"] as const;
+const BESIDE = ["none", "smooth", "scan"] as const;
 
 /** The modes available on a page: errors need a scan. */
 export const modes = ({ errors }: Data): string[] => MODES.filter((mode) => mode !== "error" || errors !== null);
 /** The choices available right of the wipe handle. */
 export const besides = ({ models }: Data): string[] => BESIDE.filter((each) => each !== "scan" || models.length > 1);
 
-/** A number: its name and range. Angles without a range wrap around. */
+/** A number: its name and range. Without a range it is an angle, which wraps around. */
 interface Quantity {
     name: string;
-    low?: number;
-    high?: number;
-    wraps?: true;
+    range?: [low: number, high: number];
 }
 
 /** The values that a member of the state accepts: one number, a list of numbers, one of several names, or a switch. */
@@ -43,15 +41,16 @@ type Field =
     | { names(data: Data): readonly string[] }
     | { isSwitch: true };
 
-const turn = (name: string): Quantity => ({ name: `${name} in degrees`, wraps: true });
-const elevation: Quantity = { name: "elevation in degrees", low: -90, high: 90 };
-const radiance = (name: string): Quantity => ({ name, low: 0, high: 1000 });
+const turn = (name: string): Quantity => ({ name: `${name} in degrees` });
+const elevation: Quantity = { name: "elevation in degrees", range: [-90, 90] };
+const radiance = (name: string): Quantity => ({ name, range: [0, 1000] });
 /** The largest coordinate. */
 const FAR = 1e18;
-const coordinate = (name: string): Quantity => ({ name, low: -FAR, high: FAR });
+const coordinate = (name: string): Quantity => ({ name, range: [-FAR, FAR] });
 
-const FIELDS: Record<keyof State, Field> = {
-    view: { numbers: [turn("azimuth"), elevation, { name: "distance", low: 1e-9, high: FAR }] },
+/** The members of a state. */
+export const FIELDS: Record<keyof State, Field> = {
+    view: { numbers: [turn("azimuth"), elevation, { name: "distance", range: [1e-9, FAR] }] },
     target: { numbers: ["x", "y", "z"].map(coordinate) },
     shading: { names: ({ shadings }) => shadings },
     surface: { names: ({ methods }) => [BEST, ...methods] },
@@ -64,10 +63,10 @@ const FIELDS: Record<keyof State, Field> = {
     fill: { number: radiance("ambient radiance") },
     shadows: { isSwitch: true },
     environment: { numbers: [turn("rotation"), radiance("intensity")] },
-    exposure: { number: { name: "stops", low: -20, high: 20 } },
+    exposure: { number: { name: "stops", range: [-20, 20] } },
     tone: { names: () => TONES },
     beside: { names: besides },
-    split: { number: { name: "fraction of the width", low: 0, high: 1 } },
+    split: { number: { name: "fraction of the width", range: [0, 1] } },
 };
 
 const isMember = (name: string): name is keyof State => Object.hasOwn(FIELDS, name);
@@ -76,12 +75,12 @@ const isMember = (name: string): name is keyof State => Object.hasOwn(FIELDS, na
 const wrapped = (value: number): number => value - 360 * Math.ceil((value - 180) / 360);
 
 /** The nearest number in the range of a quantity. */
-function held(value: number, { low = -Infinity, high = Infinity, wraps }: Quantity): number {
-    return wraps ? wrapped(value) : Math.min(Math.max(value, low), high);
+function held(value: number, { range }: Quantity): number {
+    return range ? Math.min(Math.max(value, range[0]), range[1]) : wrapped(value);
 }
 
-const isIn = (value: unknown, { low = -Infinity, high = Infinity }: Quantity): boolean =>
-    typeof value === "number" && Number.isFinite(value) && value >= low && value <= high;
+const isIn = (value: unknown, { range }: Quantity): boolean =>
+    typeof value === "number" && Number.isFinite(value) && (!range || (value >= range[0] && value <= range[1]));
 
 /** The state with its numbers clamped to their ranges. */
 export function bounded(state: State): State {
@@ -94,14 +93,20 @@ export function bounded(state: State): State {
     return Object.fromEntries(entries) as State;
 }
 
+/** The numbers of a list such as `30,20`; undefined if one is missing or not finite. */
+export function numbersOf(text: string): number[] | undefined {
+    const numbers = text.split(",").map((each) => (each.trim() === "" ? NaN : Number(each)));
+    return numbers.every(Number.isFinite) ? numbers : undefined;
+}
+
 /** The value of a member as a text in a link; undefined if invalid. Numbers are clamped later. */
 export function parsed(name: string, text: string, data: Data): unknown {
     if (!isMember(name)) return undefined;
     const field = FIELDS[name];
     if ("isSwitch" in field) return text === "true";
     if ("names" in field) return field.names(data).includes(text) ? text : undefined;
-    const numbers = text.split(",").map((each) => (each.trim() === "" ? NaN : Number(each)));
-    if (!numbers.every(Number.isFinite)) return undefined;
+    const numbers = numbersOf(text);
+    if (!numbers) return undefined;
     if ("number" in field) return numbers.length === 1 ? numbers[0] : undefined;
     return numbers.length === field.numbers.length ? numbers : undefined;
 }
@@ -114,12 +119,13 @@ function isAccepted(value: unknown, field: Field, data: Data): boolean {
     return Array.isArray(value) && value.length === numbers.length && numbers.every((each, i) => isIn(value[i], each));
 }
 
-function rangeText({ name, low, high }: Quantity): string {
+function rangeText({ name, range }: Quantity): string {
     const short = (value: number) => (Math.abs(value) < 1e6 ? String(value) : value.toExponential().replace("+", ""));
-    return low === undefined || high === undefined ? name : `${name} from ${short(low)} to ${short(high)}`;
+    return range ? `${name} from ${short(range[0])} to ${short(range[1])}` : name;
 }
 
-function acceptedText(field: Field, data: Data): string {
+/** The values that a member accepts. */
+export function acceptedText(field: Field, data: Data): string {
     if ("isSwitch" in field) return "true or false";
     if ("names" in field) return `one of: ${field.names(data).join(", ")}`;
     if ("number" in field) return `a number, ${rangeText(field.number)}`;

@@ -35,6 +35,9 @@ function decoded(base64: string): Uint8Array<ArrayBuffer> {
     return bytes;
 }
 
+/** The address of the page, without its fragment. */
+const pageUrl = (): string => location.href.split("#")[0]!;
+
 /** Reads from elements of the page; each is read only once. */
 export const ofPage = (): Source => ({
     blobs: (name) => {
@@ -47,10 +50,10 @@ export const ofPage = (): Source => ({
         const text = document.getElementById("taotie-still")?.textContent;
         return text ? `data:image/jpeg;base64,${text}` : undefined;
     },
-    key: location.href.split("#")[0]!,
+    key: pageUrl(),
 });
 
-/** The file of the still picture, which is stored unchanged. */
+/** The file of the still picture. */
 const STILL = "still.jpg";
 
 async function fetched(address: URL): Promise<ArrayBuffer> {
@@ -61,7 +64,8 @@ async function fetched(address: URL): Promise<ArrayBuffer> {
     return response.arrayBuffer();
 }
 
-/** Reads the files written by `taotie view --folder`: models are stored unchanged, everything else is compressed. */
+/** Reads the files written by `taotie view --folder`: models and the still
+ * picture are stored unchanged, everything else is compressed. */
 const ofNamed =
     (read: (file: string) => Promise<ArrayBuffer>): Blobs =>
     async (name) => {
@@ -91,7 +95,7 @@ export function ofFiles(files: Record<string, BlobPart>): Source {
             const bytes = files[STILL];
             return bytes === undefined ? undefined : URL.createObjectURL(new Blob([bytes], { type: "image/jpeg" }));
         },
-        key: location.href.split("#")[0]!,
+        key: pageUrl(),
     };
 }
 
@@ -99,7 +103,7 @@ export function ofFiles(files: Record<string, BlobPart>): Source {
 export const pageAddress: Address = {
     read: () => location.hash,
     write: (link) => {
-        const address = location.href.split("#")[0] + (link && `#${link}`);
+        const address = pageUrl() + (link && `#${link}`);
         if (address !== location.href) history.replaceState(null, "", address);
     },
     listen: (heard) => addEventListener("hashchange", heard),

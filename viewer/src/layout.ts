@@ -37,6 +37,7 @@ export class Layout {
         if (still === undefined || this.still) return;
         const image = make("img", { class: "still", alt: texts.still });
         image.addEventListener("load", () => {
+            URL.revokeObjectURL(still);
             if (image !== this.still) return;
             this.canvas.hidden = true;
             this.picture.append(image);

@@ -16,7 +16,7 @@ export function legend(viewer: Viewer): HTMLElement | undefined {
         "div",
         { class: "legend" },
         bar,
-        make("p", { class: "ends" }, make("span", {}, "0°"), here, make("span", {}, `≥ ${errors.top}°`)),
+        make("p", { class: "ends" }, make("span", {}, texts.degrees(0)), here, make("span", {}, texts.atLeast(errors.top))),
         make("p", { class: "text" }, texts.legend(errors.top, errors.mean)),
         make("p", { class: "text" }, texts.shape(lengthText(errors.rms, in_metres), lengthText(errors.hausdorff, in_metres))),
     );

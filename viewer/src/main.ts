@@ -32,7 +32,7 @@ function sheet(): CSSStyleSheet | undefined {
     }
 }
 
-const styles = [sheet()].filter((each) => each !== undefined);
+const shared = sheet();
 
 class ViewerElement extends HTMLElement implements TaotieViewer {
     static readonly observedAttributes = ["src", ...SHOWN];
@@ -46,8 +46,9 @@ class ViewerElement extends HTMLElement implements TaotieViewer {
 
     constructor() {
         super();
-        if (styles.length > 0) this.shadow.adoptedStyleSheets = styles;
-        new MutationObserver((all) => this.refuseUnknown(all.map(({ attributeName }) => attributeName!))).observe(this, { attributes: true });
+        if (shared) this.shadow.adoptedStyleSheets = [shared];
+        const heard = (all: MutationRecord[]) => this.refuseUnknown(all.map(({ attributeName }) => attributeName!));
+        new MutationObserver(heard).observe(this, { attributes: true });
     }
 
     connectedCallback(): void {

@@ -106,7 +106,7 @@ export class Materials {
             uniformsGroups: this.groups(shader),
             side: surface.double_sided ? DoubleSide : FrontSide,
             transparent: surface.blended,
-            // What is behind a pane or a lens is drawn too.
+            // Surfaces behind a pane or a lens are drawn too.
             depthWrite: !surface.blended,
             polygonOffsetFactor: 1,
             polygonOffsetUnits: 1,

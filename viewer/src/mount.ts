@@ -11,7 +11,7 @@ import { Layout } from "./layout";
 import { legend } from "./legend";
 import { Measure } from "./measure";
 import { panel } from "./panel";
-import { report } from "./report";
+import { messageOf, report } from "./report";
 import { Stage } from "./stage";
 import { texts } from "./texts";
 import { Viewer } from "./viewer";
@@ -91,7 +91,7 @@ function build(host: Host, viewer: Viewer, layout: Layout): void {
     const savePicture = async (): Promise<void> => {
         await viewer.picture().then(
             (png) => save(`${viewer.data.title}.png`, png),
-            (error: unknown) => layout.say(said(error)),
+            (error: unknown) => layout.say(messageOf(error)),
         );
     };
     const actions = {
@@ -115,13 +115,11 @@ function build(host: Host, viewer: Viewer, layout: Layout): void {
     layout.root.append(panel(viewer, actions));
 }
 
-const said = (error: unknown): string => (error instanceof Error ? error.message : String(error));
-
 /** Shows why the model cannot be drawn, and reports it to the page. */
 function fail(host: Host, layout: Layout, error: unknown): void {
     if (!host.isCurrent()) return;
     host.element.dataset["state"] = "failed";
-    const why = texts.failed(said(error));
+    const why = texts.failed(messageOf(error));
     layout.explain(why, host.source.still());
     report(host.element, why, error);
 }

@@ -89,7 +89,7 @@ export class Stage {
         return gl.drawingBufferWidth === width && gl.drawingBufferHeight === height;
     }
 
-    /** Forgets what the graphics driver has drawn for later pictures. */
+    /** Replaces render targets and shadow maps, whose content is lost with the context. */
     restore(): void {
         prepareRenderer(this.renderer);
         this.film = new Film(this.renderer);

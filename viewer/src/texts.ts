@@ -6,6 +6,7 @@ const side = (azimuth: number): string => (azimuth < 0 ? `${degrees(-azimuth)} l
 
 export const texts = {
     degrees,
+    atLeast: (value: number) => `≥ ${value}°`,
     loading: "Loading the model …",
     failed: (why: string) => `The model cannot be shown: ${why}`,
     noWebGl: "this browser does not support WebGL 2. Turn on hardware acceleration or use another browser.",
@@ -91,14 +92,13 @@ export const texts = {
     addBookmark: "Add this view",
     saveBookmarks: "Save bookmarks",
     deleteBookmark: (title: string) => `Delete “${title}”`,
-    restoreBookmarks: "Restore those of the page",
+    restoreBookmarks: "Restore the page's bookmarks",
     address: "Address where the page is published",
     saveManifest: "Save as IIIF manifest",
     picture: "Picture",
     exposure: "Exposure",
     stops: (value: number) => `${value.toFixed(1).replace("-", "−")} stops`,
     tone: "Tone curve",
-    actions: "View",
     reset: "Reset",
     link: "Copy link",
     linked: "Link copied to the clipboard.",

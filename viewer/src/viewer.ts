@@ -5,7 +5,7 @@ import type { Data } from "./data";
 import { fault, shownValue } from "./fields";
 import type { Address } from "./host";
 import { withText } from "./png";
-import { refuse } from "./report";
+import { messageOf, refuse, report } from "./report";
 import { Stage } from "./stage";
 import { type State, clamped, firstState, fragment, ofFragment } from "./state";
 import { texts } from "./texts";
@@ -108,9 +108,9 @@ export class Viewer {
         this.assertDrawable();
         const [width, height] = size;
         stage.renderer.setSize(width, height, false);
-        if (stage.isSized(size)) stage.draw(current, size, stage.samples);
-        const isWhole = stage.isSized(size) && stage.hasDrawn();
-        const png = isWhole && new Promise<Blob | null>((resolve) => canvas.toBlob(resolve));
+        const isSized = stage.isSized(size);
+        if (isSized) stage.draw(current, size, stage.samples);
+        const png = isSized && stage.hasDrawn() && new Promise<Blob | null>((resolve) => canvas.toBlob(resolve));
         this.request();
         const blob = await png;
         if (!blob) throw new RangeError(texts.tooLarge(width, height));
@@ -199,19 +199,22 @@ export class Viewer {
     /** Draws one sample and waits for it, so that frames do not pile up; a still picture then gets all samples. */
     private async step(): Promise<void> {
         this.isAsked = false;
-        let isWhole = true;
-        try {
-            isWhole = await this.draw(1, this.halvings);
-            // Skipped frames say nothing about frame times.
-            if (!this.isAsked) this.pace(await this.stage.drawn());
-        } catch (error) {
-            // The scan or its textures, which are fetched when they are first shown.
-            refuse(this.host.element, error instanceof Error ? error.message : String(error));
-        } finally {
-            this.isDrawing = false;
-        }
+        const isWhole = await this.attempt(1, this.halvings);
+        // Skipped frames say nothing about frame times.
+        if (!this.isAsked) this.pace(await this.stage.drawn());
+        this.isDrawing = false;
         if (this.isAsked) this.request();
-        else if (!isWhole) this.timer = window.setTimeout(() => void this.draw(this.stage.samples, 0), STILL);
+        else if (!isWhole) this.timer = window.setTimeout(() => void this.attempt(this.stage.samples, 0), STILL);
+    }
+
+    /** Draws, and reports a failure: the scan and its textures are fetched when they are first shown. */
+    private async attempt(samples: number, halvings: number): Promise<boolean> {
+        try {
+            return await this.draw(samples, halvings);
+        } catch (error) {
+            if (report(this.host.element, messageOf(error), error)) console.error(error);
+            return true;
+        }
     }
 
     /** Draws unless something changes first. Returns true if the picture has all samples and pixels and is final. */

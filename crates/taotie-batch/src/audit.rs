@@ -216,7 +216,7 @@ mod tests {
     use serde_json::json;
 
     #[test]
-    fn a_difference_has_its_place_and_rounding_is_none() {
+    fn differences_name_their_place_and_ignore_rounding() {
         let stored = json!({ "figures": { "mean": 1.25, "triangles": [100, 20] }, "state": "done" });
         let differs = |pointer: &str, value: Value| {
             let mut forged = stored.clone();

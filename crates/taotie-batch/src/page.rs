@@ -5,7 +5,6 @@ use crate::manifest::History;
 use crate::record::{OUTDATED, Record, ShortFigures};
 use crate::store::Store;
 use std::path::PathBuf;
-use taotie::Warning;
 use taotie::asset::RequirementOutcome;
 use taotie_engine::Result;
 use taotie_io::FileSet;
@@ -74,17 +73,10 @@ fn entry(record: &Record) -> Entry {
     }
 }
 
-fn text_of_warning(warning: &Warning) -> String {
-    match warning.count {
-        1 => warning.what.clone(),
-        count => format!("{} ({count} times)", warning.what),
-    }
-}
-
 /// Returns the warnings of a record; first, if so, that its verdict is out of date.
 fn warnings(record: &Record) -> Vec<String> {
     let outdated = (!record.is_current()).then(|| OUTDATED.to_owned());
-    outdated.into_iter().chain(record.warnings.iter().map(text_of_warning)).collect()
+    outdated.into_iter().chain(record.warnings.iter().map(ToString::to_string)).collect()
 }
 
 /// Returns the URL of a file, relative to the page.

@@ -69,28 +69,28 @@ pub fn complain(line: &str) {
     let _ = writeln!(io::stderr().lock(), "{}", plain_lines(line));
 }
 
-/// Runs `work`, which graphics drivers take part in. If the user wants no messages, stderr is closed meanwhile: drivers
-/// and the layers loaded with them write there themselves, and no option of their interfaces prevents that.
+/// Runs `work`, in which graphics drivers may write to stderr. With --quiet, stderr is discarded meanwhile, since no
+/// option of their interfaces silences drivers and the layers loaded with them.
 #[cfg(all(unix, feature = "gpu"))]
-pub fn without_drivers<T>(work: impl FnOnce() -> T) -> T {
-    let _closed = if is_quiet() { ClosedStderr::new().ok() } else { None };
+pub fn with_quiet_drivers<T>(work: impl FnOnce() -> T) -> T {
+    let _silenced = if is_quiet() { SilencedStderr::new().ok() } else { None };
     work()
 }
 
-/// Runs `work`, which graphics drivers take part in.
+/// Runs `work`, in which graphics drivers may write to stderr.
 #[cfg(all(not(unix), feature = "gpu"))]
-pub fn without_drivers<T>(work: impl FnOnce() -> T) -> T {
+pub fn with_quiet_drivers<T>(work: impl FnOnce() -> T) -> T {
     work()
 }
 
 /// Discards everything written to stderr until it is dropped.
 #[cfg(all(unix, feature = "gpu"))]
-struct ClosedStderr {
+struct SilencedStderr {
     kept: std::os::fd::OwnedFd,
 }
 
 #[cfg(all(unix, feature = "gpu"))]
-impl ClosedStderr {
+impl SilencedStderr {
     fn new() -> io::Result<Self> {
         use std::os::fd::AsFd;
         let kept = io::stderr().as_fd().try_clone_to_owned()?;
@@ -101,7 +101,7 @@ impl ClosedStderr {
 }
 
 #[cfg(all(unix, feature = "gpu"))]
-impl Drop for ClosedStderr {
+impl Drop for SilencedStderr {
     fn drop(&mut self) {
         let _ = rustix::stdio::dup2_stderr(&self.kept);
     }

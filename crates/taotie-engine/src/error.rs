@@ -141,6 +141,16 @@ pub struct Warning {
     pub what: String,
 }
 
+impl std::fmt::Display for Warning {
+    /// Writes the warning, with its count if there are several.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.count {
+            1 => f.write_str(&self.what),
+            count => write!(f, "{} ({count} times)", self.what),
+        }
+    }
+}
+
 /// Problems that could be worked around, each kind with its count, in order of first occurrence. Each is one line,
 /// like the message of an [`Error`].
 #[derive(Debug, Clone, Default, PartialEq, Eq)]

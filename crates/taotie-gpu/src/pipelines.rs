@@ -235,13 +235,8 @@ impl PipelineKey {
             variant: Variant::new(surface.material, &options),
             mirrored: surface.mirrored,
             double_sided: surface.material.double_sided,
-            blended: is_blended(surface),
+            blended: surface.material.is_blended(),
             shadows,
         }
     }
-}
-
-/// Returns true if a surface is blended.
-pub(crate) fn is_blended(surface: &Surface<'_>) -> bool {
-    surface.material.is_blended()
 }

@@ -3,7 +3,7 @@
 use crate::blending::BlendOrder;
 use crate::frame_inputs::FrameInputs;
 use crate::gpu::{Gpu, GpuError, Result};
-use crate::pipelines::{PipelineKey, Pipelines, SurfacePipeline, is_blended};
+use crate::pipelines::{PipelineKey, Pipelines, SurfacePipeline};
 use crate::shadows::{ShadowInputs, visibility_text};
 use crate::surfaces::{MaterialTextures, Meshes, Numbered, SurfaceDraw};
 use crate::target::{SampleNumber, Target};
@@ -34,7 +34,7 @@ pub struct GpuRenderer<'p> {
     color: TextureFormat,
 }
 
-/// The step that errors of drawing name.
+/// The step named in errors from drawing.
 const DRAWING: &str = "drawing";
 
 /// The resources that remain on the GPU.
@@ -58,7 +58,7 @@ impl<'p> GpuRenderer<'p> {
     pub fn new(gpu: &Gpu, prepared: &'p Prepared) -> Result<Self> {
         let surfaces = prepared.surfaces();
         let materials = surfaces.iter().map(|surface| surface.material);
-        let color = color_format(gpu.features, surfaces.iter().any(is_blended));
+        let color = color_format(gpu.features, surfaces.iter().any(|surface| surface.material.is_blended()));
         let uploaded = Uploaded {
             meshes: Meshes::default(),
             textures: MaterialTextures {
@@ -175,7 +175,7 @@ impl<'p> GpuRenderer<'p> {
             }
             let triangles = meshes.triangles(&self.gpu, surface)?;
             let count = 3 * surface.surface.triangles.len() as u32;
-            let blended = is_blended(surface.surface);
+            let blended = surface.surface.material.is_blended();
             draws.push(SurfaceDraw { pipeline, material, vertices, triangles, count, blended });
             progress.at(draws.len() as f64 / self.surfaces.len() as f64)?;
         }
@@ -200,7 +200,7 @@ impl<'p> GpuRenderer<'p> {
 
     fn blended(&self, checked: &CheckedShot) -> Result<Blended> {
         let blended: Vec<usize> =
-            (0..self.surfaces.len()).filter(|i| is_blended(&self.surfaces[*i])).collect();
+            (0..self.surfaces.len()).filter(|i| self.surfaces[*i].material.is_blended()).collect();
         let order = BlendOrder::new(&self.surfaces, &blended, &checked.clip_from_world);
         let bytes = bytemuck::cast_slice(&order.indices);
         let indices = self.gpu.buffer("the triangles that blend", bytes, BufferUsages::INDEX)?;

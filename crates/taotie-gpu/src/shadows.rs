@@ -1,7 +1,6 @@
 //! The targets of shadow rays, as shaders read them: the geometry, and the holes of surfaces, through which rays pass.
 
 use crate::gpu::{Gpu, Result};
-use crate::pipelines::is_blended;
 use std::collections::HashMap;
 use taotie_engine::image::{Sampler, TexelFilter, Texture, Wrap};
 use taotie_engine::math::Vec2;
@@ -87,10 +86,12 @@ impl Casters {
     fn add(&mut self, prepared: &Prepared, surface: &Surface<'_>) {
         let first = self.vertices.len() as u32;
         let is_masked = matches!(surface.material.alpha, AlphaMode::Mask(_));
-        let kind = match is_masked {
-            _ if is_blended(surface) => CASTS_NOT,
-            true => MASKED + self.masks.add(prepared.scene().textures(), surface, first),
-            false => CASTS,
+        let kind = if surface.material.is_blended() {
+            CASTS_NOT
+        } else if is_masked {
+            MASKED + self.masks.add(prepared.scene().textures(), surface, first)
+        } else {
+            CASTS
         };
         self.triangles.extend(surface.triangles.iter().map(|corners| {
             let [a, b, c] = corners.map(|vertex| first + vertex);

@@ -127,7 +127,11 @@ impl Taken {
     }
 }
 
-fn bitmap(shape: &[usize], texels: Texels) -> Result<Bitmap> {
+/// Returns an image of shape (height, width, channels) from its texels.
+///
+/// # Errors
+/// Those of [`Bitmap::new`].
+pub fn bitmap(shape: &[usize], texels: Texels) -> Result<Bitmap> {
     let side = |axis: usize| u32::try_from(shape[axis]).unwrap_or(u32::MAX);
     Bitmap::new(side(1), side(0), shape[2] as u8, texels)
 }

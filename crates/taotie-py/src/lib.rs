@@ -46,7 +46,7 @@ mod _taotie {
     #[pymodule_export]
     use super::model::{Model, load, model_of_parts};
     #[pymodule_export]
-    use super::picture::write_photo;
+    use super::picture::{write_heat, write_photo};
     #[pymodule_export]
     use super::renderer::Renderer;
     #[pymodule_export]

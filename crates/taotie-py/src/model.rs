@@ -84,9 +84,9 @@ pub fn load(py: Python<'_>, path: PathBuf, request: ModelRequest<'_>, running: R
 pub fn model_of_parts(py: Python<'_>, parts: Parts<'_>, material: MaterialRequest<'_>) -> PyResult<Model> {
     let (parts, material) = (parts.taken(py)?, material.taken(py)?);
     work::detached(py, move || {
-        let mut scene = parts.scene()?;
-        material.apply(&mut scene, &Limits::default().or_free())?;
-        Ok(Model::in_memory(Loaded::new(scene, Warnings::default(), "arrays")))
+        let mut model = Model::in_memory(Loaded::new(parts.scene()?, Warnings::default(), "arrays"));
+        material.apply(&mut model.loaded.scene, &model.limits)?;
+        Ok(model)
     })
 }
 

@@ -44,7 +44,7 @@ struct PartMaterial {
 struct Placement {
     mesh: usize,
     material: usize,
-    /// The rows of the transform from object space; `None` for the identity.
+    /// The columns of the transform from object space; `None` for the identity.
     world_from_object: Option<[[f64; 4]; 4]>,
 }
 
@@ -100,9 +100,7 @@ impl TakenParts {
 
 impl Placement {
     fn instance(self) -> Instance {
-        let columns = |rows: [[f64; 4]; 4]| std::array::from_fn(|j| rows.map(|row| row[j]));
-        let world_from_object =
-            self.world_from_object.map_or(Mat4::IDENTITY, |rows| Mat4 { columns: columns(rows) });
+        let world_from_object = self.world_from_object.map_or(Mat4::IDENTITY, |columns| Mat4 { columns });
         Instance { mesh: self.mesh, material: self.material, world_from_object }
     }
 }

@@ -117,7 +117,7 @@ fn named(files: &[PathBuf]) -> Vec<(String, PathBuf)> {
     files.iter().map(|path| (name(path), path.clone())).collect()
 }
 
-/// The quality of thumbnails. Measured at 256²: 5 ms and 2.4 kB; lossless, 44 ms and 15 kB.
+/// The codec of thumbnails. Measured at 256²: 5 ms and 2.4 kB; lossless, 44 ms and 15 kB.
 const THUMBNAIL: ImageCodec = ImageCodec::LossyWebP(90);
 
 /// Writes a picture of a model as lossy WebP.

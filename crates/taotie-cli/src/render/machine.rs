@@ -25,7 +25,7 @@ impl Machine {
     /// Finds the requested device.
     #[cfg(feature = "gpu")]
     pub fn find(args: &RenderArgs) -> Result<Self> {
-        let find = |choice| console::without_drivers(|| Gpu::find(&choice)).map(Box::new).map(Self::Gpu);
+        let find = |choice| console::with_quiet_drivers(|| Gpu::find(&choice)).map(Box::new).map(Self::Gpu);
         match args.device {
             Device::Cpu => Ok(Self::Cpu(None)),
             Device::Gpu => Ok(find(AdapterChoice::default())?),

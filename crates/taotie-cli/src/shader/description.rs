@@ -160,9 +160,8 @@ fn of_material(factors: &SurfaceFactors<'_>, interface: &Interface) -> SurfaceVa
         double_sided: material.double_sided,
         alpha: match material.alpha {
             _ if material.is_blended() => "blend",
-            AlphaMode::Opaque => "opaque",
             AlphaMode::Mask(_) => "mask",
-            AlphaMode::Blend => "blend",
+            _ => "opaque",
         },
         uniforms: uniforms.collect(),
         textures: BTreeMap::new(),

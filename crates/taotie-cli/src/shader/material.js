@@ -165,8 +165,8 @@ function filled(bytes, fields, values) {
 // A uniform block of numbers, which are rewritten with each frame.
 const block = (name, numbers) => new THREE.UniformsGroup().setName(name).add(new THREE.Uniform(numbers));
 
-// Where the numbers of each field begin.
-const places = (fields) => Object.fromEntries(fields.map(({ name, offset }) => [name, offset / 4]));
+// Returns the offset of each field, in floats.
+const offsets = (fields) => Object.fromEntries(fields.map(({ name, offset }) => [name, offset / 4]));
 
 // A material that draws with a shader of Taotie.
 class ShadedMaterial extends THREE.ShaderMaterial {
@@ -174,8 +174,10 @@ class ShadedMaterial extends THREE.ShaderMaterial {
     bind(shader, numbers) {
         const buffers = shader.interface.buffers.filter(({ name }) => name in numbers);
         const uniformsGroups = buffers.map((buffer) => block(buffer.block, numbers[buffer.name]));
-        const [frame, own] = [shader.interface.frame, shader.interface.material].map(places);
-        return Object.assign(this, { shader, numbers, uniformsGroups, places: { frame, own } });
+        const [frame, own] = [shader.interface.frame, shader.interface.material].map(offsets);
+        const attributes = shader.interface.vertex.map(({ name }) => ({ name, attribute: attributeName(name) }));
+        const isObjectSpace = "normal_matrix_x" in own;
+        return Object.assign(this, { shader, numbers, uniformsGroups, attributes, isObjectSpace, offsets: { frame, own } });
     }
 
     copy(source) {
@@ -193,12 +195,11 @@ class ShadedMaterial extends THREE.ShaderMaterial {
 
     // three.js calls this for each combination of lights and geometries.
     onBeforeCompile(parameters) {
-        const isObject = "normal_matrix_x" in this.places.own;
         const { instancing, batching, skinning, instancingColor, batchingColor, morphColors } = parameters;
         const faults = {
             "area lights have no effect": parameters.numRectAreaLights > 0,
             "colours of instances and morph targets have no effect": instancingColor || batchingColor || morphColors,
-            "normals in object space do not follow instances and skins": isObject && (instancing || batching || skinning),
+            "normals in object space do not follow instances and skins": this.isObjectSpace && (instancing || batching || skinning),
         };
         for (const [fault, isThere] of Object.entries(faults)) isThere && warnOnce(`${this.name}: ${fault}`);
     }
@@ -206,14 +207,13 @@ class ShadedMaterial extends THREE.ShaderMaterial {
     onBeforeRender(renderer, scene, camera, geometry, object) {
         this.check(scene, geometry, object);
         const [back, eye] = [8, 12].map((from) => camera.matrixWorld.elements.slice(from, from + 3));
-        this.numbers.frame.set(camera.isPerspectiveCamera ? [...eye, 1] : [...back, 0], this.places.frame.eye);
-        if ("normal_matrix_x" in this.places.own) this.place(object, renderer.info.render.frame);
+        this.numbers.frame.set(camera.isPerspectiveCamera ? [...eye, 1] : [...back, 0], this.offsets.frame.eye);
+        if (this.isObjectSpace) this.turnNormals(object, renderer.info.render.frame);
     }
 
     // Throws if the mesh lacks an attribute; warns if the scene has light that the shader does not read.
     check(scene, geometry, object) {
-        for (const { name } of this.shader.interface.vertex) {
-            const attribute = attributeName(name);
+        for (const { name, attribute } of this.attributes) {
             if (geometry.attributes[attribute]) continue;
             const cure = CURES[name] ? `: ${CURES[name]}` : "";
             throw new Error(`${this.name}: the mesh "${object.name}" lacks the attribute ${attribute}${cure}`);
@@ -223,15 +223,15 @@ class ShadedMaterial extends THREE.ShaderMaterial {
     }
 
     // Turns normals in object space with the mesh. Blocks are uploaded once per frame, hence one mesh per material.
-    place({ matrixWorld }, frame) {
+    turnNormals({ matrixWorld }, frame) {
         const { elements } = new THREE.Matrix3().getNormalMatrix(matrixWorld);
-        const { frame: drawn, elements: before } = this.placed ?? {};
+        const { frame: drawn, elements: before } = this.turned ?? {};
         if (drawn === frame && elements.some((number, i) => number !== before[i])) {
             throw new Error(`${this.name}: normals in object space need a material for each mesh: use clone()`);
         }
-        this.placed = { frame, elements };
+        this.turned = { frame, elements };
         for (const [axis, from] of [["x", 0], ["y", 3], ["z", 6]]) {
-            const at = this.places.own[`normal_matrix_${axis}`];
+            const at = this.offsets.own[`normal_matrix_${axis}`];
             this.numbers.material.set(elements.slice(from, from + 3), at);
         }
     }

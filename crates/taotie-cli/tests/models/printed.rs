@@ -113,7 +113,7 @@ fn demo() -> String {
 #[test]
 fn blocks_of_output_are_what_the_commands_print() {
     let blocks = blocks();
-    assert!(blocks.len() >= 4, "README.md has two");
+    assert!(blocks.len() >= 4, "only {} blocks with a command were found", blocks.len());
     let mut faults = Vec::new();
     for block in &blocks {
         let page = block.page.display();

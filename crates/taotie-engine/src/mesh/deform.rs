@@ -1,6 +1,6 @@
 //! Deforms vertices: morph targets and linear blend skinning.
 
-use super::MeshData;
+use super::{MeshData, gather};
 use crate::error::{Error, Result};
 use crate::math::{Mat4, Vec3};
 use crate::parallel;
@@ -184,20 +184,16 @@ impl Deformable {
 
     /// Returns only the vertices `which`, without triangles.
     fn gathered(&self, which: &[usize]) -> Self {
-        let base = MeshData {
-            positions: gather(&self.base.positions, which),
-            normals: gather(&self.base.normals, which),
-            tangents: gather(&self.base.tangents, which),
-            uvs: self.base.uvs.iter().map(|set| gather(set, which)).collect(),
-            colors: gather(&self.base.colors, which),
-            triangles: Vec::new(),
-        };
         let targets = self.targets.iter().map(|target| MorphTarget {
             positions: gather(&target.positions, which),
             normals: gather(&target.normals, which),
             tangents: gather(&target.tangents, which),
         });
-        Self { base, targets: targets.collect(), binding: self.binding.as_ref().map(|b| b.gathered(which)) }
+        Self {
+            base: self.base.gathered(which),
+            targets: targets.collect(),
+            binding: self.binding.as_ref().map(|b| b.gathered(which)),
+        }
     }
 }
 
@@ -221,11 +217,6 @@ impl Binding {
             weights: which.iter().flat_map(|i| &self.weights[i * n..(i + 1) * n]).copied().collect(),
         }
     }
-}
-
-/// Returns the elements `which`; nothing for an absent array.
-pub(crate) fn gather<T: Copy>(from: &[T], which: &[usize]) -> Vec<T> {
-    if from.is_empty() { Vec::new() } else { which.iter().map(|i| from[*i]).collect() }
 }
 
 #[cfg(test)]

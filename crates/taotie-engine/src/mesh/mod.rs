@@ -44,7 +44,24 @@ pub struct Mesh {
     data: Arc<MeshData>,
 }
 
+/// Returns the elements `which`; nothing for an absent array.
+fn gather<T: Copy>(from: &[T], which: &[usize]) -> Vec<T> {
+    if from.is_empty() { Vec::new() } else { which.iter().map(|i| from[*i]).collect() }
+}
+
 impl MeshData {
+    /// Returns only the vertices `which`, without triangles.
+    pub fn gathered(&self, which: &[usize]) -> Self {
+        Self {
+            positions: gather(&self.positions, which),
+            normals: gather(&self.normals, which),
+            tangents: gather(&self.tangents, which),
+            uvs: self.uvs.iter().map(|set| gather(set, which)).collect(),
+            colors: gather(&self.colors, which),
+            triangles: Vec::new(),
+        }
+    }
+
     /// Checks that a mesh can be created from the data.
     ///
     /// # Errors
@@ -116,6 +133,11 @@ impl Mesh {
     /// The triangles.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.data.triangles
+    }
+
+    /// Returns the arrays of only the vertices `which`, without triangles.
+    pub(crate) fn gathered(&self, which: &[usize]) -> MeshData {
+        self.data.gathered(which)
     }
 
     /// Returns the arrays, for changing and validating them again; copied if another mesh shares them.

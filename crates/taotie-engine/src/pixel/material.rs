@@ -192,8 +192,7 @@ impl<L: Lane> MaterialPoint<L> {
         let sample =
             MaterialSample { base_color: base_color * kept_base, diffuse: diffuse * kept, ..self.sample };
         // The ambient colour may be authored without a diffuse part.
-        let Vec3 { x, y, z } = self.ambient - diffuse * transmission;
-        let ambient = Vec3::new(x, y, z).map(|v| v.max(one.lit(0.0)));
+        let ambient = (self.ambient - diffuse * transmission).map(|v| v.max(one.lit(0.0)));
         Self { sample, ambient, ..self }
     }
 }

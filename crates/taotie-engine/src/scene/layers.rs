@@ -124,6 +124,21 @@ macro_rules! factor {
     };
 }
 
+/// A layer that a material may lack: its field, which has the extension's name, its type, and when it is visible.
+macro_rules! optional {
+    ($layer:ident: $kind:ident, $first:ident $differs:tt $zero:expr) => {
+        Layer {
+            name: stringify!($layer),
+            extension: concat!("KHR_materials_", stringify!($layer)),
+            add: |material| material.$layer = Some($kind::default()),
+            copy: |from, to| to.$layer = from.$layer,
+            is_visible: |material| material.$layer.is_some_and(|layer| layer.$first $differs $zero),
+            factors: &[],
+            textures: &[],
+        }
+    };
+}
+
 const SPECULAR: Layer = Layer {
     name: "specular strength",
     extension: "KHR_materials_specular",
@@ -138,60 +153,39 @@ const SPECULAR: Layer = Layer {
 };
 
 const CLEARCOAT: Layer = Layer {
-    name: "clearcoat",
-    extension: "KHR_materials_clearcoat",
-    add: |m| m.clearcoat = Some(Clearcoat::default()),
-    copy: |from, to| to.clearcoat = from.clearcoat,
-    is_visible: |m| m.clearcoat.is_some_and(|coat| coat.factor > 0.0),
     factors: &[
         factor!(clearcoat.factor, "clearcoat factor", "clearcoatFactor", Number, 1.0),
         factor!(clearcoat.roughness, "clearcoat roughness", "clearcoatRoughnessFactor", Number, 1.0),
     ],
     textures: &[TextureRole::Clearcoat, TextureRole::ClearcoatRoughness, TextureRole::ClearcoatNormal],
+    ..optional!(clearcoat: Clearcoat, factor > 0.0)
 };
 
 const ANISOTROPY: Layer = Layer {
-    name: "anisotropy",
-    extension: "KHR_materials_anisotropy",
-    add: |m| m.anisotropy = Some(Anisotropy::default()),
-    copy: |from, to| to.anisotropy = from.anisotropy,
-    is_visible: |m| m.anisotropy.is_some_and(|anisotropy| anisotropy.strength > 0.0),
     factors: &[
         factor!(anisotropy.strength, "anisotropy strength", "anisotropyStrength", Number, 1.0),
         factor!(anisotropy.rotation, "anisotropy rotation", "anisotropyRotation", Angle, f32::MAX),
     ],
     textures: &[TextureRole::Anisotropy],
+    ..optional!(anisotropy: Anisotropy, strength > 0.0)
 };
 
 const SHEEN: Layer = Layer {
-    name: "sheen",
-    extension: "KHR_materials_sheen",
-    add: |m| m.sheen = Some(Sheen::default()),
-    copy: |from, to| to.sheen = from.sheen,
-    is_visible: |m| m.sheen.is_some_and(|sheen| sheen.color != [0.0; 3]),
     factors: &[
         factor!(sheen.color, "sheen colour", "sheenColorFactor", Color, 1.0),
         factor!(sheen.roughness, "sheen roughness", "sheenRoughnessFactor", Number, 1.0),
     ],
     textures: &[TextureRole::SheenColor, TextureRole::SheenRoughness],
+    ..optional!(sheen: Sheen, color != [0.0; 3])
 };
 
 const TRANSMISSION: Layer = Layer {
-    name: "transmission",
-    extension: "KHR_materials_transmission",
-    add: |m| m.transmission = Some(Transmission::default()),
-    copy: |from, to| to.transmission = from.transmission,
-    is_visible: |m| m.transmission.is_some_and(|transmission| transmission.factor > 0.0),
     factors: &[factor!(transmission.factor, "transmission factor", "transmissionFactor", Number, 1.0)],
     textures: &[TextureRole::Transmission],
+    ..optional!(transmission: Transmission, factor > 0.0)
 };
 
 const VOLUME: Layer = Layer {
-    name: "volume",
-    extension: "KHR_materials_volume",
-    add: |m| m.volume = Some(Volume::default()),
-    copy: |from, to| to.volume = from.volume,
-    is_visible: |m| m.volume.is_some_and(|volume| volume.thickness > 0.0),
     factors: &[
         factor!(volume.thickness, "volume thickness", "thicknessFactor", Number, Light::MOST),
         factor!(
@@ -204,14 +198,10 @@ const VOLUME: Layer = Layer {
         factor!(volume.attenuation_color, "attenuation colour", "attenuationColor", Color, 1.0),
     ],
     textures: &[TextureRole::Thickness],
+    ..optional!(volume: Volume, thickness > 0.0)
 };
 
 const IRIDESCENCE: Layer = Layer {
-    name: "iridescence",
-    extension: "KHR_materials_iridescence",
-    add: |m| m.iridescence = Some(Iridescence::default()),
-    copy: |from, to| to.iridescence = from.iridescence,
-    is_visible: |m| m.iridescence.is_some_and(|film| film.factor > 0.0),
     factors: &[
         factor!(iridescence.factor, "iridescence factor", "iridescenceFactor", Number, 1.0),
         factor!(iridescence.ior, "iridescence ior", "iridescenceIor", Number, Light::MOST),
@@ -231,16 +221,13 @@ const IRIDESCENCE: Layer = Layer {
         ),
     ],
     textures: &[TextureRole::Iridescence, TextureRole::IridescenceThickness],
+    ..optional!(iridescence: Iridescence, factor > 0.0)
 };
 
 const DISPERSION: Layer = Layer {
-    name: "dispersion",
-    extension: "KHR_materials_dispersion",
-    add: |m| m.dispersion = Some(Dispersion::default()),
-    copy: |from, to| to.dispersion = from.dispersion,
-    is_visible: |m| m.dispersion.is_some_and(|dispersion| dispersion.factor > 0.0),
     factors: &[factor!(dispersion.factor, "dispersion", "dispersion", Number, Light::MOST)],
     textures: &[],
+    ..optional!(dispersion: Dispersion, factor > 0.0)
 };
 
 /// A number with its name.

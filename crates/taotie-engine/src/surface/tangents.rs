@@ -9,7 +9,6 @@ use super::normals::{corner_angles, with_normals_at};
 use super::weld::{Classes, bits, by_position};
 use crate::error::Result;
 use crate::math::{SimdLevel, Vec3};
-use crate::mesh::deform::gather;
 use crate::mesh::{Mesh, MeshData};
 use crate::names::Named;
 use crate::parallel;
@@ -175,12 +174,9 @@ fn welded(mesh: &Mesh, tangents: &[CornerTangents]) -> Result<Mesh> {
     let corners = Classes::by(3 * tangents.len(), |c| (vertices.of[vertex(c)], bits(tangent(c))));
     let old: Vec<usize> = corners.firsts.iter().map(|c| vertex(*c as usize)).collect();
     Mesh::new(MeshData {
-        positions: gather(mesh.positions(), &old),
-        normals: gather(mesh.normals(), &old),
         tangents: corners.firsts.iter().map(|c| tangent(*c as usize)).collect(),
-        uvs: mesh.uvs().iter().map(|set| gather(set, &old)).collect(),
-        colors: gather(mesh.colors(), &old),
         triangles: corners.of.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect(),
+        ..mesh.gathered(&old)
     })
 }
 

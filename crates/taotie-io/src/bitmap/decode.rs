@@ -31,7 +31,8 @@ pub(super) fn decode(
     let scratch = match format {
         ImageFormat::Jpeg => {
             let room = jpeg_room(bytes, own).ok_or_else(|| Failure::Damaged("invalid header".into()))?;
-            room.saturating_sub(KEPT_OF_8_BITS * texels)
+            // The file is kept, and copied once, when the decoder's memory is free again.
+            room.saturating_sub(KEPT_OF_8_BITS * texels).max(2 * bytes.len() as u64)
         }
         // The decoder's own image exists alongside the texels made from it, and some decoders copy it again.
         _ => 2 * own * texels,

@@ -178,23 +178,10 @@ fn by_texture(data: MeshData, numbers: &[u32], count: usize) -> Vec<(Option<usiz
     }
     let part = |group: usize| {
         let (vertices, triangles) = compact(groups.of(group).to_vec(), data.positions.len());
-        let vertices = || vertices.iter().map(|vertex| *vertex as usize);
-        let part = MeshData {
-            positions: gather(&data.positions, vertices()),
-            normals: gather(&data.normals, vertices()),
-            uvs: data.uvs.iter().map(|uvs| gather(uvs, vertices())).collect(),
-            colors: gather(&data.colors, vertices()),
-            triangles,
-            ..MeshData::default()
-        };
-        (texture(group), part)
+        let vertices: Vec<usize> = vertices.iter().map(|vertex| *vertex as usize).collect();
+        (texture(group), MeshData { triangles, ..data.gathered(&vertices) })
     };
     used.into_iter().map(part).collect()
-}
-
-/// Returns the values of these vertices; empty if there are no values.
-fn gather<T: Copy>(values: &[T], vertices: impl Iterator<Item = usize>) -> Vec<T> {
-    if values.is_empty() { Vec::new() } else { vertices.map(|vertex| values[vertex]).collect() }
 }
 
 fn read_vertices(path: &Path, elements: &Elements) -> Result<Vertices> {
@@ -298,12 +285,8 @@ fn plain(vertices: Vertices) -> MeshData {
 
 /// Returns the vertices as split by faces.
 fn split(vertices: Vertices, splitter: Splitter, attributes: &Attributes) -> MeshData {
-    let mut data = plain(Vertices {
-        positions: gather(&vertices.positions, splitter.vertices()),
-        normals: gather(&vertices.normals, splitter.vertices()),
-        uvs: gather(&vertices.uvs, splitter.vertices()),
-        colors: gather(&vertices.colors, splitter.vertices()),
-    });
+    let sources: Vec<usize> = splitter.vertices().collect();
+    let mut data = plain(vertices).gathered(&sources);
     if splitter.uvs {
         data.uvs = vec![splitter.own_uvs().map(|[u, v]| upright(u, v)).collect()];
     }

@@ -98,7 +98,7 @@ fn warnings(report: &Report, proof: &Proof) -> Option<Section> {
         report.warnings.iter().partition(|warning| found.iter().any(|found| found.what == warning.what));
     let mut notices: Vec<Notice> = Vec::new();
     for (warning, tone) in with_tone(first, Tone::Bad).chain(with_tone(others, Tone::Changed)) {
-        let notice = Notice::new(text_of_warning(warning), tone);
+        let notice = Notice::new(warning.to_string(), tone);
         if notices.iter().all(|known| known.text != notice.text) {
             notices.push(notice);
         }
@@ -113,13 +113,6 @@ fn warnings(report: &Report, proof: &Proof) -> Option<Section> {
 
 fn with_tone(warnings: Vec<&Warning>, tone: Tone) -> impl Iterator<Item = (&Warning, Tone)> {
     warnings.into_iter().map(move |warning| (warning, tone))
-}
-
-fn text_of_warning(warning: &Warning) -> String {
-    match warning.count {
-        1 => warning.what.clone(),
-        count => format!("{} ({count} times)", warning.what),
-    }
 }
 
 /// Writes the page for a bake as one HTML document whose first view is the asset at `path`, drawn by the shaders of

@@ -40,10 +40,7 @@ fn notices(report: &Document) -> Vec<Notice> {
     let skipped = report.skipped.iter();
     let skipped =
         skipped.map(|skipped| format!("{} could not be rendered: {}.", skipped.method, skipped.reason));
-    let warnings = report.warnings.iter().map(|warning| match warning.count {
-        1 => warning.what.clone(),
-        count => format!("{} ({count} times)", warning.what),
-    });
+    let warnings = report.warnings.iter().map(ToString::to_string);
     let wrong = skipped.chain(warnings).map(|text| Notice::new(text, Tone::Changed));
     nearest(report).into_iter().chain(wrong).collect()
 }

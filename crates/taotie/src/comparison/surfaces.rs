@@ -267,10 +267,6 @@ impl<'a> Photographer<'a> {
         let settings = RenderSettings { surface, ..self.options.settings.clone() };
         let look = look::look(&self.camera, &settings, |shot| renderer.render(shot, self.next_step()))?;
         let normals = look.mean_normals(&look.normals)?;
-        let pixels = if method.is_some() { &mut self.model_pixels } else { &mut self.reference_pixels };
-        if pixels.is_empty() {
-            *pixels = covered_pixels(&mut renderer, &self.camera, &settings)?;
-        }
         self.step()?;
         let (mut pictures, mut codes) = (Vec::new(), Vec::new());
         for shading in &self.options.shadings {
@@ -280,11 +276,16 @@ impl<'a> Photographer<'a> {
             pictures.push((*shading, DisplayImage::from_developed(settings.width, settings.height, &codes)?));
             self.step()?;
         }
+        let milliseconds = watch.milliseconds();
+        let pixels = if method.is_some() { &mut self.model_pixels } else { &mut self.reference_pixels };
+        if pixels.is_empty() {
+            *pixels = covered_pixels(&mut renderer, &self.camera, &settings)?;
+        }
         Ok(RenderedSurface {
             method,
             normals,
             pictures,
-            milliseconds: watch.milliseconds(),
+            milliseconds,
             difference: None,
             model_differences: Vec::new(),
         })
@@ -365,7 +366,7 @@ impl<'a> Photographer<'a> {
 /// Returns `true` for each pixel of a picture with these settings that shows the renderer's scene in any sample.
 fn covered_pixels(renderer: &mut Renderer, camera: &Camera, settings: &RenderSettings) -> Result<Vec<bool>> {
     // Neither light nor background changes what is covered.
-    let settings = RenderSettings { shadows: false, ..settings.clone() };
+    let settings = RenderSettings { shadows: false, ground: false, aovs: false, ..settings.clone() };
     let shot = Shot { camera, lighting: &Lighting::default(), settings: &settings };
     let frame = renderer.render(&shot, Progress::SILENT)?;
     Ok(frame.color.pixels().iter().map(|pixel| pixel[3] > 0.0).collect())

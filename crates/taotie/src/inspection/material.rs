@@ -120,7 +120,7 @@ impl<'a> Materials<'a> {
         let scene = &loaded.scene;
         let maps = scene.materials().iter().filter_map(|material| Some(material.normal?.texture.texture));
         let maps: BTreeSet<usize> = maps.collect();
-        let pixels = maps.into_iter().map(|map| (map, Pixels::of(scene.textures()[map].bitmap())));
+        let pixels = maps.into_par_iter().map(|map| (map, Pixels::of(scene.textures()[map].bitmap())));
         Self { loaded, pixels: pixels.collect() }
     }
 

@@ -450,11 +450,11 @@ fn tangent_code(normal: [f32; 3], bits: u8) -> [f32; 3] {
     let up = Vec3::new(0.0, 0.0, 1.0);
     let n = Vec3::from_array(normal).normalize_or(up);
     let least = if bits == 8 { 1.0 / 255.0 } else { 1.0 / 65535.0 };
-    if n.z >= least {
-        return encode_normal(n).to_array();
-    }
-    let flat = Vec3::new(n.x, n.y, 0.0).normalize_or(up);
-    encode_normal(Vec3::new(flat.x, flat.y, flat.z.max(least))).to_array()
+    let raised = || {
+        let flat = Vec3::new(n.x, n.y, 0.0).normalize_or(up);
+        Vec3::new(flat.x, flat.y, flat.z.max(least))
+    };
+    encode_normal(if n.z >= least { n } else { raised() }).to_array()
 }
 
 /// Assigns an object-space normal map, which glTF cannot reference, to the material with this number, or to all of
