@@ -32,6 +32,7 @@ autodoc_member_order = "bysource"
 autodoc_typehints = "none"
 default_role = "literal"
 napoleon_google_docstring = False
+napoleon_use_param = False
 napoleon_use_rtype = False
 
 html_theme = "furo"

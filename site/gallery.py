@@ -100,9 +100,9 @@ def maps() -> Iterator[Item]:
         "bent": (together, "maps.bent.png", "the mean open direction"),
         "curvature": (together, "maps.curvature.png", "ridges bright, grooves dark"),
         "roughness": (f"{bronze} --maps roughness -o roughness.png", "roughness.png", "widened by relief finer than a texel"),
-        "metallic-roughness": (together, "maps.orm.png", "glTF's channels: roughness in green, metalness in blue"),
+        "metallic-roughness": (together, "maps.metallic-roughness.png", "glTF's channels: roughness in green, metalness in blue"),
         "emission": (lamps, "lamp.emission.png", "emitted light, of a lamp"),
-        "alpha": (lamps, "lamp.alpha.png", "the openings of its shade"),
+        "alpha": (lamps, "lamp.png", "the openings of its shade"),
         "occlusion": (lamps, "lamp.occlusion.png", "the scan's own occlusion texture"),
     }
     for name in matched("Map", known):
