@@ -169,7 +169,7 @@ $(DISTANCES_VENV)/ready: benches/distances/requirements.txt
 # TAOTIE=/path/to/taotie makes the pictures of the gallery and the viewer's page; by default a release build, if there is
 # one. Each command runs once until it or the program changes. The newest wheel of `make wheel` runs the notebooks.
 SITE = target/site
-SPHINX = $(SITE)/venv/bin/sphinx-build --quiet --fail-on-warning --keep-going -c site
+SPHINX = $(SITE)/venv/bin/sphinx-build --quiet --fail-on-warning --keep-going --fresh-env --write-all --jobs auto -c site
 site: $(SITE)/venv/ready ## Build the docs site into target/site/html; it opens from disk
 	for wheel in $$(ls -t target/wheels/taotie-*.whl 2>/dev/null | head -1); do \
 		$(SITE)/venv/bin/pip install --quiet --force-reinstall --no-deps $$wheel; done

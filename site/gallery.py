@@ -66,7 +66,7 @@ def shading() -> Iterator[Item]:
     """The reflectance models."""
     for name in accepted("Shading"):
         file = f"shading-{name}.png"
-        yield Item(name, f"taotie render {JUE} --shading {name} --env studio {SIZE} -o {file}", file)
+        yield Item(name, f"taotie render {JUE} --shading {name} {CLOSE} -o {file}", file)
 
 
 def surfaces() -> Iterator[Item]:

@@ -50,11 +50,11 @@ def mirror(source: Path) -> None:
         to = source / path.relative_to(ROOT)
         kept.add(to)
         to.parent.mkdir(parents=True, exist_ok=True)
-        if not to.exists() or (to.stat().st_mtime, to.stat().st_size) != (path.stat().st_mtime, path.stat().st_size):
-            shutil.copy2(path, to)
+        if not to.exists() or to.read_bytes() != path.read_bytes():
+            shutil.copyfile(path, to)
     for gone in (path for name in COPIED for path in files(source / name) if path not in kept):
         gone.unlink()
-    shutil.copy2(HERE / "index.md", source)
+    shutil.copyfile(HERE / "index.md", source / "index.md")
 
 
 def python_pages(source: Path, has_package: bool) -> None:
