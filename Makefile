@@ -175,6 +175,7 @@ site: $(SITE)/venv/ready ## Build the docs site into target/site/html; it opens 
 	for wheel in $$(ls -t target/wheels/taotie-*.whl 2>/dev/null | head -1); do \
 		$(SITE)/venv/bin/pip install --quiet --force-reinstall --no-deps $$wheel; done
 	$(SITE)/venv/bin/python site/stage.py $(addprefix --program ,$(or $(TAOTIE),$(wildcard target/release/taotie)))
+	rm -rf $(SITE)/html
 	$(SPHINX) -b html -d $(SITE)/trees $(SITE)/source $(SITE)/html
 
 # Reads all pages without the program or the Python package: a broken link or anchor, and a page missing from the

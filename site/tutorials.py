@@ -35,7 +35,8 @@ def prepare(folder: Path, data: Path) -> None:
 
 def run(page: Path, folder: Path, program: Path) -> int:
     """Run a page's commands, and return their number."""
-    environment = {**os.environ, "PATH": f"{program.parent}{os.pathsep}{os.environ['PATH']}"}
+    # No browser opens for `taotie view`.
+    environment = {**os.environ, "BROWSER": "true", "PATH": f"{program.parent}{os.pathsep}{os.environ['PATH']}"}
     count = 0
     for kind, value, language, text in BLOCK.findall(page.read_text(encoding="utf-8")):
         if kind == "file":
