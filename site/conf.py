@@ -20,13 +20,12 @@ myst_enable_extensions = ["colon_fence", "dollarmath", "html_image"]
 myst_heading_anchors = 4
 myst_links_external_new_tab = False
 
-# Notebooks have no stored outputs: without the package, their pages show the code.
-HAS_PACKAGE = importlib.util.find_spec("taotie") is not None and not tags.has("check")  # noqa: F821, defined by Sphinx
-nb_execution_mode = "cache" if HAS_PACKAGE else "off"
+# Notebooks have no stored outputs: without the package, their pages show the code. Sphinx defines `tags`.
+HAS_PACKAGE = importlib.util.find_spec("taotie") is not None and not tags.has("check")
+nb_execution_mode = "force" if HAS_PACKAGE else "off"
 nb_execution_raise_on_error = True
 nb_execution_timeout = 600
 nb_execution_in_temp = True
-nb_execution_cache_path = str(ROOT / "target/site/notebooks")
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"
@@ -45,6 +44,6 @@ html_show_sphinx = False
 templates_path = []
 
 if HAS_PACKAGE:
-    tags.add("package")  # noqa: F821
+    tags.add("package")
 if (ROOT / "target/site/extra/viewer.html").exists():
-    tags.add("viewer")  # noqa: F821
+    tags.add("viewer")

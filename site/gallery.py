@@ -103,7 +103,7 @@ def maps() -> Iterator[Item]:
         "roughness": (f"{bronze} --maps roughness -o roughness.png", "roughness.png", "widened by relief finer than a texel"),
         "metallic-roughness": (together, "maps.metallic-roughness.png", "glTF's channels: roughness in green, metalness in blue"),
         "emission": (lamps, "lamp.emission.png", "emitted light, of a lamp"),
-        "alpha": (lamps, "lamp.png", "the openings of its shade"),
+        "alpha": (lamps, "lamp.png", "the openings of its shade, in the base colour"),
         "occlusion": (lamps, "lamp.occlusion.png", "the scan's own occlusion texture"),
     }
     for name in matched("Map", known):
@@ -181,7 +181,7 @@ def write(source: Path, program: Program | None) -> None:
     parts = ["# Gallery\n"]
     if program is None:
         parts.append("This site was built without the program, so only the commands are here.\n")
-    parts.append("All commands run in one folder, after these:\n")
+    parts.append("All commands run in one folder, after these. `site/lamp.py` writes the lamp.\n")
     parts.append("```sh\n" + "\n".join(MODELS) + "\n```\n")
     for title, text, items in SECTIONS:
         parts.append(f"## {title}\n\n{text}\n\n:::::{{container}} gallery\n")
@@ -202,7 +202,7 @@ def entry(item: Item, source: Path, program: Program | None) -> str:
 
 
 def small(file: Path, to: Path) -> None:
-    """Write a picture as WebP, at most 960 pixels wide, or 480 if it is square."""
+    """Write a picture as WebP with 8 bits, at most 480 pixels wide, or 1280 if it is a sheet."""
     to.parent.mkdir(exist_ok=True)
     with Picture.open(file) as image:
         side = 480 if image.width <= 1.5 * image.height else 1280
