@@ -6,7 +6,7 @@ use std::borrow::Cow;
 use std::io::{self, Write};
 use std::path::Path;
 use std::sync::OnceLock;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 use taotie_engine::Warnings;
 
@@ -55,6 +55,14 @@ pub fn set_quiet(quiet: bool) {
 
 fn is_quiet() -> bool {
     QUIET.load(Ordering::Relaxed)
+}
+
+/// Set if progress is written for programs. Global, because stderr is.
+static PROGRESS_LINES: AtomicBool = AtomicBool::new(false);
+
+/// Writes progress as JSON lines, or shows it as bars.
+pub fn set_progress_lines(lines: bool) {
+    PROGRESS_LINES.store(lines, Ordering::Relaxed);
 }
 
 /// Writes a message to stderr, unless the user wants none. A closed stderr is not an error.
@@ -142,12 +150,27 @@ fn io_error<'e>(error: &'e (dyn std::error::Error + 'static)) -> Option<&'e io::
     }
 }
 
-/// A progress bar that appears on a terminal once the work has taken a second.
+/// A progress bar that appears on a terminal once the work has taken a second; lines of JSON if programs read them.
 pub struct Bar {
     title: String,
     start: Instant,
     bar: OnceLock<ProgressBar>,
+    /// The time of the latest line, in milliseconds since the start.
+    line: AtomicU64,
 }
+
+/// A line of progress for programs.
+#[derive(serde::Serialize)]
+struct ProgressLine<'a> {
+    stage: &'a str,
+    /// Completed fraction of the stage, in [0, 1].
+    done: f64,
+    /// Estimated seconds left, of the whole work if it has several stages.
+    left_s: Option<f64>,
+}
+
+/// Milliseconds between lines of progress.
+const LINE_MS: u64 = 100;
 
 /// The bar's length: progress is in thousandths.
 const STEPS: u64 = 1000;
@@ -155,7 +178,7 @@ const STEPS: u64 = 1000;
 impl Bar {
     /// Creates a bar that is not shown yet.
     pub fn new(title: impl Into<String>) -> Self {
-        Self { title: title.into(), start: Instant::now(), bar: OnceLock::new() }
+        Self { title: title.into(), start: Instant::now(), bar: OnceLock::new(), line: AtomicU64::new(0) }
     }
 
     /// Shows the fraction done.
@@ -165,6 +188,9 @@ impl Bar {
 
     /// Shows the fraction done of this stage, and the time left for the whole work, if known.
     pub fn show(&self, fraction: f64, whole: Option<Duration>) {
+        if PROGRESS_LINES.load(Ordering::Relaxed) {
+            return self.write_line(fraction, whole.or_else(|| self.left(fraction)));
+        }
         if is_quiet() || self.start.elapsed() < Duration::from_secs(1) {
             return;
         }
@@ -177,6 +203,9 @@ impl Bar {
 
     /// Shows the fraction of the whole work that is done, and the time left as estimated by the caller.
     pub fn show_all(&self, fraction: f64, left: Option<Duration>) {
+        if PROGRESS_LINES.load(Ordering::Relaxed) {
+            return self.write_line(fraction, left);
+        }
         if is_quiet() || self.start.elapsed() < Duration::from_secs(1) {
             return;
         }
@@ -194,6 +223,25 @@ impl Bar {
     pub fn hear(&self, fraction: f64) -> bool {
         self.set(fraction);
         true
+    }
+
+    /// Writes a line of progress, unless the latest is recent.
+    fn write_line(&self, done: f64, left: Option<Duration>) {
+        // 0 is the value of a bar without lines.
+        let now = self.start.elapsed().as_millis() as u64 + 1;
+        let last = self.line.load(Ordering::Relaxed);
+        if last == 0 || now >= last + LINE_MS {
+            self.line.store(now, Ordering::Relaxed);
+            let left_s = left.map(|left| (left.as_secs_f64() * 10.0).round() / 10.0);
+            let line = ProgressLine { stage: &self.title, done: (done * 1e3).round() / 1e3, left_s };
+            complain(&serde_json::to_string(&line).unwrap_or_default());
+        }
+    }
+
+    /// Estimates the time left of the stage.
+    fn left(&self, done: f64) -> Option<Duration> {
+        const LEAST: f64 = 0.02;
+        (done >= LEAST).then(|| self.start.elapsed().mul_f64((1.0 - done).max(0.0) / done))
     }
 
     fn new_bar(&self) -> ProgressBar {

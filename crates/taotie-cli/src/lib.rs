@@ -37,6 +37,9 @@ struct Cli {
     /// Print only results and errors: no progress, messages or warnings
     #[arg(short, long, global = true)]
     quiet: bool,
+    /// Print progress to stderr as JSON lines, for programs: stage, fraction done, seconds left if known
+    #[arg(long, global = true, conflicts_with = "quiet")]
+    progress: bool,
 }
 
 #[derive(Subcommand)]
@@ -109,6 +112,7 @@ pub fn exit_code(args: impl IntoIterator<Item = OsString>) -> u8 {
         }
     };
     console::set_quiet(cli.quiet);
+    console::set_progress_lines(cli.progress);
     stop::listen();
     let result = match cli.command {
         Command::Render(args) => render::run(&args).map(|()| Outcome::Fine),
