@@ -1,0 +1,181 @@
+"""install.sh against a release on a local server, with each shell found."""
+
+from __future__ import annotations
+
+import hashlib
+import http.server
+import os
+import platform
+import re
+import shutil
+import subprocess
+import tarfile
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from conftest import ROOT
+
+SCRIPT = ROOT / "dist/install.sh"
+SHELLS = {"sh": ["sh"], "dash": ["dash"], "bash": ["bash", "--posix"], "busybox": ["busybox", "sh"]}
+# All programs that the script runs.
+TOOLS = ["uname", "mktemp", "rm", "mkdir", "dirname", "cp", "mv", "tar", "gzip", "sha256sum", "curl"]
+SHARED = ["man/man1/taotie.1", "bash-completion/completions/taotie", "fish/vendor_completions.d/taotie.fish",
+          "zsh/site-functions/_taotie"]
+VERSION = "1.2.3"
+pytestmark = pytest.mark.skipif(platform.system() != "Linux", reason="the release of the test is for Linux")
+
+
+class Release:
+    """A folder with an archive and its checksum, and the address it is served at."""
+
+    def __init__(self, folder: Path, program: Path) -> None:
+        self.folder = folder
+        self.name = f"taotie-{VERSION}-{platform.machine()}-unknown-linux-musl"
+        self.archive = folder / f"{self.name}.tar.gz"
+        files = {"taotie": f'#!/bin/sh\nexec "{program}" "$@"\n'.encode(), "LICENSE-MIT": b"", "LICENSE-APACHE": b"", "THIRD-PARTY.html": b"",
+                 "man/taotie.1": b".TH", "man/taotie-bake.1": b".TH", "completions/bash/taotie": b"#", "completions/fish/taotie.fish": b"#",
+                 "completions/zsh/_taotie": b"#", "completions/powershell/_taotie.ps1": b"#"}
+        tree = folder / "tree"
+        for name, content in files.items():
+            path = tree / self.name / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(content)
+        (tree / self.name / "taotie").chmod(0o755)
+        with tarfile.open(self.archive, "w:gz") as file:
+            file.add(tree / self.name, self.name)
+        self.list(hashlib.sha256(self.archive.read_bytes()).hexdigest())
+        handler = lambda *arguments: Handler(*arguments, directory=str(folder))  # noqa: E731
+        self.server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler)
+        threading.Thread(target=self.server.serve_forever, daemon=True).start()
+
+    def list(self, checksum: str) -> None:
+        other = "0" * 64
+        (self.folder / "SHA256SUMS").write_text(
+            f"{other}  taotie-{VERSION}-x86_64-pc-windows-gnu.zip\n{checksum}  {self.archive.name}\n{other}  taotie-{VERSION}.sdist\n")
+
+    @property
+    def address(self) -> str:
+        return f"http://127.0.0.1:{self.server.server_port}/"
+
+
+class Handler(http.server.SimpleHTTPRequestHandler):
+    def log_message(self, *_: object) -> None:
+        """Log nothing."""
+
+
+@pytest.fixture
+def release(tmp_path: Path, program: Path) -> Iterator[Release]:
+    folder = tmp_path / "release"
+    folder.mkdir()
+    made = Release(folder, program)
+    yield made
+    made.server.shutdown()
+
+
+def install(release: Release, home: Path, shell: str = "sh", **variables: str) -> subprocess.CompletedProcess[str]:
+    command = SHELLS[shell]
+    if not shutil.which(command[0]):
+        pytest.skip(f"{command[0]} is not installed")
+    home.mkdir(exist_ok=True)
+    environment = {**os.environ, "HOME": str(home), "SHELL": "/bin/zsh", "TMPDIR": str(home), "TAOTIE_DOWNLOADS": release.address, **variables}
+    path = shutil.which(command[0])
+    assert path
+    done = subprocess.run([path, *command[1:], str(SCRIPT)], env=environment, capture_output=True, text=True, check=False)
+    assert not list(home.glob("tmp*")), "the temporary folder is left"
+    return done
+
+
+def tools(folder: Path, *without: str) -> str:
+    """Return a search path with all programs the script needs except some."""
+    folder.mkdir()
+    for name in [*TOOLS, "sh"]:
+        found = shutil.which(name)
+        if found and name not in without:
+            (folder / name).symlink_to(os.path.realpath(found) if name != "sh" else found)
+    return str(folder)
+
+
+@pytest.mark.parametrize("shell", SHELLS)
+def test_it_installs_everything(release: Release, tmp_path: Path, shell: str) -> None:
+    home = tmp_path / "a home's folder"
+    done = install(release, home, shell)
+    assert done.returncode == 0, done.stderr
+    assert "installed taotie" in done.stderr
+    assert f"export PATH=\"{home}/.local/bin:$PATH\"" in done.stderr
+    assert f"fpath=('{home}/.local/share/zsh/site-functions' $fpath)" in done.stderr
+    subprocess.run([home / ".local/bin/taotie", "--version"], check=True, capture_output=True)
+    assert all((home / ".local/share" / name).is_file() for name in [*SHARED, "man/man1/taotie-bake.1"])
+    assert not list(home.rglob("*.new"))
+    again = install(release, home, shell, PATH=f"{home}/.local/bin:{os.environ['PATH']}", SHELL="/bin/bash")
+    assert again.returncode == 0 and "PATH" not in again.stderr, "an update, found already"
+
+
+def test_a_folder_not_called_bin_gets_only_the_program(release: Release, tmp_path: Path) -> None:
+    done = install(release, tmp_path / "home", TAOTIE_INSTALL_DIR=str(tmp_path / "home/tools"))
+    assert done.returncode == 0 and "no man pages or completions" in done.stderr
+    assert [path.name for path in (tmp_path / "home").rglob("*") if path.is_file()] == ["taotie"]
+
+
+def test_a_wrong_checksum_installs_nothing(release: Release, tmp_path: Path) -> None:
+    release.list("1" * 64)
+    done = install(release, tmp_path / "home")
+    assert done.returncode == 1 and "nothing was installed" in done.stderr
+    assert not list((tmp_path / "home").iterdir())
+
+
+@pytest.mark.parametrize(("without", "message"), [
+    (["curl"], "neither curl nor wget was found"),
+    (["sha256sum"], "none of sha256sum, shasum and openssl was found"),
+    (["tar"], "tar was not found"),
+    (["gzip"], "gzip was not found"),
+])
+def test_missing_tools_are_named(release: Release, tmp_path: Path, without: list[str], message: str) -> None:
+    done = install(release, tmp_path / "home", PATH=tools(tmp_path / "tools", *without))
+    assert done.returncode == 1 and message in done.stderr
+
+
+def test_wget_does_too(release: Release, tmp_path: Path) -> None:
+    path = Path(tools(tmp_path / "tools", "curl"))
+    for name, program in (("wget", shutil.which("wget")), ("env", shutil.which("env"))):
+        if not program:
+            pytest.skip(f"{name} is not installed")
+        (path / name).symlink_to(program)
+    done = install(release, tmp_path / "home", PATH=str(path))
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize(("variables", "message"), [
+    ({"TAOTIE_TARGET": "riscv64-unknown-linux-musl"}, "the release has no archive for riscv64-unknown-linux-musl"),
+    ({"TAOTIE_DOWNLOADS": "http://127.0.0.1:9"}, "cannot download http://127.0.0.1:9/SHA256SUMS"),
+])
+def test_errors_say_why(release: Release, tmp_path: Path, variables: dict[str, str], message: str) -> None:
+    done = install(release, tmp_path / "home", **variables)
+    assert done.returncode == 1 and f"install.sh: error: {message}" in done.stderr
+
+
+def test_a_folder_that_cannot_be_written_is_named(release: Release, tmp_path: Path) -> None:
+    home = tmp_path / "home"
+    home.mkdir()
+    (home / ".local").write_text("a file")
+    done = install(release, home)
+    assert done.returncode == 1 and "TAOTIE_INSTALL_DIR" in done.stderr
+
+
+def test_a_script_cut_off_does_nothing(release: Release, tmp_path: Path) -> None:
+    text = SCRIPT.read_text()
+    for share in range(1, 20):
+        part = tmp_path / "part.sh"
+        part.write_text(text[: len(text) * share // 20])
+        home = tmp_path / "home"
+        home.mkdir(exist_ok=True)
+        subprocess.run(["sh", part], env={**os.environ, "HOME": str(home), "TAOTIE_DOWNLOADS": release.address}, capture_output=True, check=False)
+        assert not list(home.iterdir())
+
+
+def test_both_scripts_name_the_repository_of_the_workspace() -> None:
+    declared = re.search(r'^repository = "(.*)"', (ROOT / "Cargo.toml").read_text(), re.MULTILINE)
+    assert declared
+    for script in (SCRIPT, ROOT / "dist/install.ps1"):
+        assert set(re.findall(r"https://github\.com/[^/\s']+/[^/\s']+", script.read_text())) == {declared[1]}
