@@ -70,7 +70,7 @@ class Repository:
         return [pair for pair in self.pairs if any(self.has_changed(path, changed) for path in (pair.scan, pair.asset))]
 
     def has_changed(self, model: str, changed: set[str] | None) -> bool:
-        """Return whether a model changed, or, if it may name other files, any in its folder that is no model of a pair."""
+        """Return whether a model changed, or, if it may name other files, any other in its folder."""
         if changed is None or model in changed:
             return True
         if PurePosixPath(model).suffix.lower() not in OF_SEVERAL_FILES:

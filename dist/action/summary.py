@@ -21,8 +21,8 @@ def table(mode: str, results: list[Result]) -> str:
 def cells(result: Result) -> list[str]:
     lines = [("" if figure["met"] else "❌ ") + in_words(figure) for figure in result.figures]
     notes = [*result.errors, *result.warnings]
-    told = "<br>".join(visible(line) for line in [*lines, *notes])
-    return [f"<code>{visible(result.pair.asset)}</code>", f"<code>{visible(result.pair.scan)}</code>", MARKS[result.verdict], told]
+    text = "<br>".join(visible(line) for line in [*lines, *notes])
+    return [f"<code>{visible(result.pair.asset)}</code>", f"<code>{visible(result.pair.scan)}</code>", MARKS[result.verdict], text]
 
 
 def visible(text: str) -> str:

@@ -32,7 +32,7 @@ class Release:
         self.checksums = {name.lstrip("*"): checksum for checksum, name in pairs}
 
     def value(self, name: str) -> str:
-        """Return what `@NAME@` or `@NAME TARGET@` of a recipe stands for."""
+        """Return the value of `@NAME@` or `@NAME TARGET@` in a recipe."""
         key, _, target = name.partition(" ")
         if target in ("", "SUMMARY", "REQUIREMENT"):
             return self.facts()[name]()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import subprocess
 import sys
@@ -16,9 +17,7 @@ from conftest import ROOT
 
 ACTION = ROOT / "dist/action"
 # Names that annotations, outputs, tables and commands of the runner could trip over.
-ODD = ["two words.obj", 'a "quoted" name.obj', "line\nbreak.obj", "100%25, done: yes.obj", "-o.obj", "銅鼎 ü.obj",
-       "::error::x.obj", "##[error]x.obj", "<b>|`x`.obj"]
-
+ODD = ['two "quoted" words.obj', "line\nbreak.obj", "100%25, done: yes.obj", "-o 銅鼎 ü.obj", "::error::x ##[error]<b>|`x`.obj"]
 QUICK = "--proof-points 400 --proof-view 32"
 
 
@@ -76,8 +75,6 @@ class Checkout:
 
 
 def environment() -> dict[str, str]:
-    import os
-
     return {name: value for name, value in os.environ.items() if not name.startswith(("GITHUB_", "INPUT_", "GIT_"))}
 
 
@@ -152,7 +149,7 @@ def test_baked_scans_verify(checkout: Checkout, scan: str) -> None:
     assert (checked.code, errors(checked)) == (0, []), checked.log
     assert sorted(json.loads(checked.outputs["assets"])) == sorted(assets)
     cells = Cells(checked.summary)
-    assert cells.tags == {"h3", "table", "tr", "th", "td", "code", "br"} or cells.tags == {"h3", "table", "tr", "th", "td", "code"}
+    assert cells.tags - {"br"} == {"h3", "table", "tr", "th", "td", "code"}
     for asset in assets:
         assert (asset if asset.isprintable() else json.dumps(asset)[1:-1]) in cells.texts
     assert len(cells.texts) == 4 * len(ODD)
@@ -242,7 +239,7 @@ def test_units_are_the_program_s(scan: str, program: Path, tmp_path: Path) -> No
               "missed=0.0000001%,within-0.01deg=99%,within-0.000001%=99%")
     (tmp_path / "scan.obj").write_text(scan)
     asset = tmp_path / "asset.glb"
-    subprocess.run([program, "bake", tmp_path / "scan.obj", "-o", asset, "--triangles", "60", "--no-verify", "-q"], check=True)
+    subprocess.run([program, "bake", tmp_path / "scan.obj", "-o", asset, "--triangles", "60", "--size", "64", "--no-verify", "-q"], check=True)
     done = subprocess.run([program, "verify", asset, "--scan", tmp_path / "scan.obj", "--json", "--require", limits],
                           capture_output=True, text=True, check=False)
     required = json.loads(done.stdout)["certificate"]["required"]

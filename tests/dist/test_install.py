@@ -72,6 +72,7 @@ def release(tmp_path: Path, program: Path) -> Iterator[Release]:
     made = Release(folder, program)
     yield made
     made.server.shutdown()
+    made.server.server_close()
 
 
 def install(release: Release, home: Path, shell: str = "sh", **variables: str) -> subprocess.CompletedProcess[str]:
