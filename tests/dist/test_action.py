@@ -160,11 +160,11 @@ def test_baked_scans_verify(checkout: Checkout, scan: str) -> None:
 
 
 def test_failures_are_annotated(checkout: Checkout, scan: str) -> None:
-    checkout.commit({"scans/good, 5 %.obj": scan, "scans/coarse.obj": scan})
+    checkout.commit({"scans/good, 5%25.obj": scan, "scans/coarse.obj": scan})
     assert checkout.run(mode="bake", options=f"--triangles 60 --size 64 {QUICK}", require="").code == 0
     base = checkout.commit({})
-    checkout.commit({"scans/good, 5 %.obj": scan + "# more\n", "scans/coarse.obj": scan + "# more\n",
-                     "scans/broken.obj": "this is not a scan", "assets/broken.glb": b"glTF",
+    checkout.commit({"scans/good, 5%25.obj": scan + "# more\n", "scans/coarse.obj": scan + "# more\n",
+                     "scans/broken ##[error]x.obj": "this is not a scan", "assets/broken ##[error]x.glb": b"glTF",
                      "scans/pointer.obj": "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n",
                      "assets/pointer.glb": b"glTF", "assets/orphan.glb": b"glTF"})
     step = checkout.run(mode="verify", base=base, require="mean-angle=0.001,completeness=1%")
@@ -172,14 +172,14 @@ def test_failures_are_annotated(checkout: Checkout, scan: str) -> None:
     # Errors come last and replace warnings about the same file.
     by_file = {properties["file"]: (level, properties["title"], message)
                for level, properties, message in sorted(step.annotations, key=lambda found: found[0] == "error")}
-    assert set(by_file) == {f"assets/{name}.glb" for name in ("good, 5 %", "coarse", "broken", "pointer", "orphan")}
-    level, title, message = by_file["assets/good, 5 %.glb"]
+    assert set(by_file) == {f"assets/{name}.glb" for name in ("good, 5%25", "coarse", "broken ##[error]x", "pointer", "orphan")}
+    level, title, message = by_file["assets/good, 5%25.glb"]
     assert (level, title) == ("error", "Requirement not met")
     assert re.match(r"requirement not met: mean-angle [\d.]+° \(at most 0.001°\)", message)
-    assert by_file["assets/broken.glb"][:2] == ("error", "Failed") and "broken" in by_file["assets/broken.glb"][2]
+    assert by_file["assets/broken ##[error]x.glb"][:2] == ("error", "Failed") and "broken" in by_file["assets/broken ##[error]x.glb"][2]
     assert "lfs: true" in by_file["assets/pointer.glb"][2]
     assert by_file["assets/orphan.glb"][:2] == ("warning", "No scan")
-    assert json.loads(step.outputs["assets"]) == ["assets/coarse.glb", "assets/good, 5 %.glb"]
+    assert json.loads(step.outputs["assets"]) == ["assets/coarse.glb", "assets/good, 5%25.glb"]
     texts = Cells(step.summary).texts
     assert [texts[row] for row in range(2, len(texts), 4)] == ["❌ failed", "❌ requirement not met", "❌ requirement not met", "❌ failed"]
     assert any(re.search(r"completeness [\d.]+ % \(at least 1 %\)", text) for text in texts)
@@ -236,16 +236,18 @@ def test_units_are_the_program_s(scan: str, program: Path, tmp_path: Path) -> No
 
     limits = ("mean-angle=0.00001,p95-angle=0.00001,max-angle=0.00001,patch-angle=0.00001,surface-mean-angle=0.00001,"
               "hausdorff=0.0000001%,silhouette=0.01,flip=0.0000001,worst-view=0.0000001,ssim=1,completeness=100%,"
-              "missed=0.0000001%,within-0.01deg=99%,within-0.000001%=99%")
-    (tmp_path / "scan.obj").write_text(scan)
+              "missed=0.0000001%,within-0.01deg=99%,within-0.000001%=99%,within-0.1dE=99%,mean-color=0.1,patch-color=0.1")
+    # Red on one side, and an asset without colours.
+    colored = re.sub(r"^(v (-?)[^\n]*)", lambda found: f"{found[1]} {0.8 if found[2] else 0.2} 0.2 0.2", scan, flags=re.MULTILINE)
+    (tmp_path / "scan.obj").write_text(colored)
     asset = tmp_path / "asset.glb"
-    subprocess.run([program, "bake", tmp_path / "scan.obj", "-o", asset, "--triangles", "60", "--size", "64", "--no-verify", "-q"], check=True)
+    subprocess.run([program, "bake", tmp_path / "scan.obj", "-o", asset, "--triangles", "60", "--size", "64", "--maps", "normal", "--no-verify", "-q"], check=True)
     done = subprocess.run([program, "verify", asset, "--scan", tmp_path / "scan.obj", "--json", "--require", limits],
                           capture_output=True, text=True, check=False)
     required = json.loads(done.stdout)["certificate"]["required"]
     ours = {without_numbers(in_words(figure)) for figure in required if not figure["met"]}
     listed = re.findall(r"requirements? not met: ([^;\n]*)", done.stderr)
-    assert len(ours) > 11, done.stderr
+    assert len(ours) > 15, done.stderr
     assert ours == {without_numbers(text) for line in listed for text in line.split(", ")}
 
 
