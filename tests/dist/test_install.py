@@ -175,8 +175,13 @@ def test_a_script_cut_off_does_nothing(release: Release, tmp_path: Path) -> None
         assert not list(home.iterdir())
 
 
-def test_both_scripts_name_the_repository_of_the_workspace() -> None:
-    declared = re.search(r'^repository = "(.*)"', (ROOT / "Cargo.toml").read_text(), re.MULTILINE)
-    assert declared
-    for script in (SCRIPT, ROOT / "dist/install.ps1"):
-        assert set(re.findall(r"https://github\.com/[^/\s']+/[^/\s']+", script.read_text())) == {declared[1]}
+def test_pages_and_scripts_name_the_declared_repository_and_version() -> None:
+    declared = dict(re.findall(r'^(repository|version) = "(.*)"', (ROOT / "Cargo.toml").read_text(), re.MULTILINE))
+    owner = declared["repository"].split("/")[-2]
+    texts = {path.name: path.read_text() for path in
+             (SCRIPT, ROOT / "dist/install.ps1", ROOT / "docs/install.md", ROOT / "docs/action.md")}
+    for name, text in texts.items():
+        assert set(re.findall(r"([\w.-]+)/taotie(?:/releases|@v|$|'|\n)", text)) <= {owner, "bin", "programs", "recipes"}, name
+        assert set(re.findall(r"https://github\.com/[^/\s']+/[^/\s']+", text)) <= {declared["repository"]}, name
+    for name in ("install.md", "action.md"):
+        assert set(re.findall(r"\b\d+\.\d+\.\d+\b", texts[name])) == {declared["version"]}, name
