@@ -8,7 +8,7 @@
 #   TAOTIE_VERSION      the release, such as 0.1.0 (default: the latest)
 #   TAOTIE_INSTALL_DIR  the folder of the program (default: ~/.local/bin); man pages and completions go to ../share if
 #                       it is called `bin`, otherwise they are not installed
-#   TAOTIE_TARGET       the target triple, such as x86_64-unknown-linux-gnu for `--device gpu` on Linux (default: detected)
+#   TAOTIE_TARGET       the target triple of the program (default: detected)
 #   TAOTIE_DOWNLOADS    the address of a folder with SHA256SUMS and archives (default: that of the release)
 set -eu
 

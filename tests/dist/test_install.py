@@ -184,4 +184,4 @@ def test_pages_and_scripts_name_the_declared_repository_and_version() -> None:
         assert set(re.findall(r"([\w.-]+)/taotie(?:/releases|@v|$|'|\n)", text)) <= {owner, "bin", "programs", "recipes"}, name
         assert set(re.findall(r"https://github\.com/[^/\s']+/[^/\s']+", text)) <= {declared["repository"]}, name
     for name in ("install.md", "action.md"):
-        assert set(re.findall(r"\b\d+\.\d+\.\d+\b", texts[name])) == {declared["version"]}, name
+        assert set(re.findall(r"\bv?(\d+\.\d+\.\d+)\b", texts[name])) == {declared["version"]}, name
