@@ -14,6 +14,7 @@ from urllib.parse import unquote
 
 import pytest
 from conftest import ROOT
+from release import Release
 
 ACTION = ROOT / "dist/action"
 # Names that annotations, outputs, tables and commands of the runner could trip over.
@@ -123,6 +124,34 @@ class Cells(HTMLParser):
 @pytest.fixture
 def checkout(tmp_path: Path, program: Path) -> Checkout:
     return Checkout(tmp_path, program)
+
+
+def test_the_steps_of_action_yml_run_in_a_shell(checkout: Checkout, scan: str, program: Path, tmp_path: Path) -> None:
+    yaml = pytest.importorskip("yaml")
+    action = yaml.safe_load((ROOT / "action.yml").read_text())
+    checkout.commit({"scans/x.obj": scan})
+    given = {"mode": "bake", "scans": "scans/*.obj", "options": f"--triangles 60 --size 64 {QUICK}", "require": "", "base": "",
+             "asset": "assets/{stem}.glb"}
+    inputs = {name: given.get(name, declared.get("default", "")) for name, declared in action["inputs"].items()}
+    temporary = tmp_path / "runner temp"
+    (tmp_path / "release").mkdir()
+    with Release(tmp_path / "release", program).serving() as release:
+        for step in action["runs"]["steps"][:2]:
+            variables = {name: evaluated(value, inputs, temporary) for name, value in step["env"].items()}
+            subprocess.run(["bash", "-eo", "pipefail", "-c", step["run"]], cwd=checkout.folder, check=True, env={
+                **environment(), **variables, "GITHUB_ACTION_PATH": str(ROOT), "RUNNER_OS": "Linux", "TAOTIE_DOWNLOADS": release.address,
+                "GITHUB_OUTPUT": str(tmp_path / "output")})
+    assert read_outputs((tmp_path / "output").read_text()) == {"verdict": "passed", "assets": '["assets/x.glb"]'}
+    upload = action["runs"]["steps"][2]["with"]
+    results = Path(evaluated(upload["path"], inputs, temporary))
+    assert sorted(path.name for path in results.rglob("*.*")) == ["x.glb", "x.report.html", "x.report.json"]
+
+
+def evaluated(text: str, inputs: dict[str, str], temporary: Path) -> str:
+    """Return a value of action.yml with its expressions evaluated; without the input `program`."""
+    known = {"runner.temp": str(temporary), **{f"inputs.{name}": value for name, value in inputs.items()},
+             "inputs.program || format('{0}/taotie/bin/taotie', runner.temp)": f"{temporary}/taotie/bin/taotie"}
+    return re.sub(r"\$\{\{ (.*?) \}\}", lambda found: known[found[1]], text)
 
 
 def errors(step: Step) -> list[str]:

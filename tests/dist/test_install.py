@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import hashlib
-import http.server
 import os
 import platform
 import re
 import shutil
 import subprocess
-import tarfile
-import threading
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from conftest import ROOT
+from release import Release
 
 SCRIPT = ROOT / "dist/install.sh"
 SHELLS = {"sh": ["sh"], "dash": ["dash"], "bash": ["bash", "--posix"], "busybox": ["busybox", "sh"]}
@@ -23,56 +20,15 @@ SHELLS = {"sh": ["sh"], "dash": ["dash"], "bash": ["bash", "--posix"], "busybox"
 TOOLS = ["uname", "mktemp", "rm", "mkdir", "dirname", "cp", "mv", "tar", "gzip", "sha256sum", "curl"]
 SHARED = ["man/man1/taotie.1", "bash-completion/completions/taotie", "fish/vendor_completions.d/taotie.fish",
           "zsh/site-functions/_taotie"]
-VERSION = "1.2.3"
 pytestmark = pytest.mark.skipif(platform.system() != "Linux", reason="the release of the test is for Linux")
-
-
-class Release:
-    """A folder with an archive and its checksum, and the address it is served at."""
-
-    def __init__(self, folder: Path, program: Path) -> None:
-        self.folder = folder
-        self.name = f"taotie-{VERSION}-{platform.machine()}-unknown-linux-musl"
-        self.archive = folder / f"{self.name}.tar.gz"
-        files = {"taotie": f'#!/bin/sh\nexec "{program}" "$@"\n'.encode(), "LICENSE-MIT": b"", "LICENSE-APACHE": b"", "THIRD-PARTY.html": b"",
-                 "man/taotie.1": b".TH", "man/taotie-bake.1": b".TH", "completions/bash/taotie": b"#", "completions/fish/taotie.fish": b"#",
-                 "completions/zsh/_taotie": b"#", "completions/powershell/_taotie.ps1": b"#"}
-        tree = folder / "tree"
-        for name, content in files.items():
-            path = tree / self.name / name
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_bytes(content)
-        (tree / self.name / "taotie").chmod(0o755)
-        with tarfile.open(self.archive, "w:gz") as file:
-            file.add(tree / self.name, self.name)
-        self.list(hashlib.sha256(self.archive.read_bytes()).hexdigest())
-        handler = lambda *arguments: Handler(*arguments, directory=str(folder))  # noqa: E731
-        self.server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler)
-        threading.Thread(target=self.server.serve_forever, daemon=True).start()
-
-    def list(self, checksum: str) -> None:
-        other = "0" * 64
-        (self.folder / "SHA256SUMS").write_text(
-            f"{other}  taotie-{VERSION}-x86_64-pc-windows-gnu.zip\n{checksum}  {self.archive.name}\n{other}  taotie-{VERSION}.sdist\n")
-
-    @property
-    def address(self) -> str:
-        return f"http://127.0.0.1:{self.server.server_port}/"
-
-
-class Handler(http.server.SimpleHTTPRequestHandler):
-    def log_message(self, *_: object) -> None:
-        """Log nothing."""
 
 
 @pytest.fixture
 def release(tmp_path: Path, program: Path) -> Iterator[Release]:
     folder = tmp_path / "release"
     folder.mkdir()
-    made = Release(folder, program)
-    yield made
-    made.server.shutdown()
-    made.server.server_close()
+    with Release(folder, program).serving() as made:
+        yield made
 
 
 def install(release: Release, home: Path, shell: str = "sh", **variables: str) -> subprocess.CompletedProcess[str]:
