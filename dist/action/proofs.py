@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 import shutil
 import subprocess
 import sys
@@ -60,7 +61,7 @@ class Program:
 
     def run(self, pair: Pair, arguments: list[str]) -> tuple[Result, dict[str, Any]]:
         command = [self.path, *arguments, "--json", *self.options]
-        with Quoted(" ".join(arguments)), TemporaryFile() as out:
+        with Quoted(shlex.join(arguments)), TemporaryFile() as out:
             # A file, since a pipe that nobody reads yet would block the program.
             try:
                 running = subprocess.Popen(command, stdout=out, stderr=subprocess.PIPE)

@@ -8,7 +8,7 @@ import json
 from figures import in_words
 from proofs import Result
 
-MARKS = {"passed": "✅ passed", "not met": "❌ requirement not met", "failed": "❌ failed"}
+VERDICTS = {"passed": "passed", "not met": "<b>requirement not met</b>", "failed": "<b>failed</b>"}
 
 
 def table(mode: str, results: list[Result]) -> str:
@@ -19,10 +19,10 @@ def table(mode: str, results: list[Result]) -> str:
 
 
 def cells(result: Result) -> list[str]:
-    lines = [("" if figure["met"] else "❌ ") + in_words(figure) for figure in result.figures]
-    notes = [*result.errors, *result.warnings]
-    text = "<br>".join(visible(line) for line in [*lines, *notes])
-    return [f"<code>{visible(result.pair.asset)}</code>", f"<code>{visible(result.pair.scan)}</code>", MARKS[result.verdict], text]
+    figures = [visible(in_words(figure)) for figure in result.figures]
+    marked = [line if figure["met"] else f"<b>{line}</b>" for line, figure in zip(figures, result.figures)]
+    text = "<br>".join(marked + [visible(line) for line in [*result.errors, *result.warnings]])
+    return [f"<code>{visible(result.pair.asset)}</code>", f"<code>{visible(result.pair.scan)}</code>", VERDICTS[result.verdict], text]
 
 
 def visible(text: str) -> str:
