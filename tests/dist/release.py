@@ -13,6 +13,9 @@ from functools import partial
 from pathlib import Path
 
 VERSION = "1.2.3"
+# The files of an archive for Linux or macOS.
+FILES = ["taotie", "LICENSE-MIT", "LICENSE-APACHE", "THIRD-PARTY.html", "man/taotie.1", "man/taotie-bake.1", "completions/bash/taotie",
+         "completions/fish/taotie.fish", "completions/zsh/_taotie", "completions/powershell/_taotie.ps1"]
 
 
 class Release:
@@ -22,9 +25,7 @@ class Release:
         self.folder = folder
         self.name = f"taotie-{VERSION}-{platform.machine()}-unknown-linux-musl"
         self.archive = folder / f"{self.name}.tar.gz"
-        files = {"taotie": f'#!/bin/sh\nexec "{program}" "$@"\n'.encode(), "LICENSE-MIT": b"", "LICENSE-APACHE": b"", "THIRD-PARTY.html": b"",
-                 "man/taotie.1": b".TH", "man/taotie-bake.1": b".TH", "completions/bash/taotie": b"#", "completions/fish/taotie.fish": b"#",
-                 "completions/zsh/_taotie": b"#", "completions/powershell/_taotie.ps1": b"#"}
+        files = {path: b"" for path in FILES} | {"taotie": f'#!/bin/sh\nexec "{program}" "$@"\n'.encode()}
         tree = folder / "tree"
         for name, content in files.items():
             path = tree / self.name / name

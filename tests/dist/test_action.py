@@ -18,7 +18,7 @@ from release import Release
 
 ACTION = ROOT / "dist/action"
 # Names that annotations, outputs, tables and commands of the runner could trip over.
-ODD = ['two "quoted" words.obj', "line\nbreak.obj", "100%25, done: yes.obj", "-o 銅鼎 ü.obj", "::error::x ##[error]<b>|`x`.obj"]
+ODD = ['two "quoted" words.obj', "line\nbreak.obj", "100%25, done: yes.obj", "-o 銅鼎 ü.obj", "::error::x ##[error]<i>|`x`.obj"]
 QUICK = "--proof-points 400 --proof-view 32"
 
 

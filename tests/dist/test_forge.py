@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 from conftest import ROOT
+from release import FILES
 
 GITHUB = ROOT / ".github"
 SCHEMAS = {
@@ -90,6 +91,11 @@ def test_the_release_has_the_targets_that_others_expect() -> None:
     for pattern in ("-unknown-linux-musl", "-apple-darwin"):
         assert {target for target in built if target.endswith(pattern)} == {f"{processor}{pattern}" for processor in ("x86_64", "aarch64")}
         assert pattern in (ROOT / "dist/install.sh").read_text()
+
+
+def test_the_image_copies_files_of_the_archive() -> None:
+    copied = re.findall(r"/taotie-\*/(\S+)", (ROOT / "dist/Containerfile").read_text())
+    assert set(copied) == {name for name in FILES if "/" not in name}
 
 
 def test_built_files_are_merged(tmp_path: Path) -> None:
