@@ -1,7 +1,10 @@
 //! The output of the command: results on stdout, messages and progress on stderr.
 
+#[cfg(feature = "mcp")]
+use crate::lines::{self, Line};
 use anyhow::Result;
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde::Serialize;
 use std::borrow::Cow;
 use std::io::{self, Write};
 use std::path::Path;
@@ -9,6 +12,7 @@ use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use taotie_engine::Warnings;
+use taotie_report::View;
 
 /// Writes a result line to stdout, replacing control characters, which may come from files and their names, except
 /// line ends.
@@ -66,6 +70,10 @@ pub fn say(line: &str) {
 
 /// Writes an error to stderr, replacing control characters except line ends. A closed stderr is not an error.
 pub fn complain(line: &str) {
+    #[cfg(feature = "mcp")]
+    if lines::are_wanted() {
+        return lines::send(&Line::Message(plain_lines(line).into_owned()));
+    }
     let _ = writeln!(io::stderr().lock(), "{}", plain_lines(line));
 }
 
@@ -105,6 +113,42 @@ impl Drop for SilencedStderr {
     fn drop(&mut self) {
         let _ = rustix::stdio::dup2_stderr(&self.kept);
     }
+}
+
+/// Writes a report to stdout, as JSON or as text.
+pub fn report<T: Serialize>(is_json: bool, report: &T, text: impl FnOnce(&T) -> String) -> Result<()> {
+    #[cfg(feature = "mcp")]
+    if lines::are_wanted() {
+        lines::send(&Line::Text(plain_lines(&text(report)).into_owned()));
+        return result(&serde_json::to_string(report)?);
+    }
+    match is_json {
+        true => result(&serde_json::to_string_pretty(report)?),
+        false => result(&text(report)),
+    }
+}
+
+/// Returns true if the program that runs this command shows pictures of the result.
+pub fn shows_pictures() -> bool {
+    #[cfg(feature = "mcp")]
+    return lines::are_wanted();
+    #[cfg(not(feature = "mcp"))]
+    false
+}
+
+/// Sends pictures of a report page to the program that runs this command.
+#[cfg_attr(not(feature = "mcp"), expect(unused_variables, reason = "nothing shows them"))]
+pub fn show(views: &[View]) {
+    #[cfg(feature = "mcp")]
+    lines::show(views);
+}
+
+/// Sends a PNG file likewise.
+#[cfg_attr(not(feature = "mcp"), expect(unused_variables, reason = "nothing shows it"))]
+pub fn show_file(path: &Path) -> Result<()> {
+    #[cfg(feature = "mcp")]
+    lines::show_file(path)?;
+    Ok(())
 }
 
 /// Writes each kind of warning with its count to stderr.
@@ -165,6 +209,8 @@ impl Bar {
 
     /// Shows the fraction done of this stage, and the time left for the whole work, if known.
     pub fn show(&self, fraction: f64, whole: Option<Duration>) {
+        #[cfg(feature = "mcp")]
+        lines::progress(&self.title, fraction);
         if is_quiet() || self.start.elapsed() < Duration::from_secs(1) {
             return;
         }
