@@ -222,9 +222,12 @@ fn described(arg: &Arg) -> Option<String> {
     let long = arg.get_long()?;
     let help = arg.get_help().map(ToString::to_string).unwrap_or_default();
     let first = help.split_once(". ").map_or(help.as_str(), |(first, _)| first);
+    let possible: Vec<String> =
+        arg.get_possible_values().iter().map(|value| value.get_name().to_owned()).collect();
     let value = match arg.get_value_names() {
-        Some(names) if !is_flag(arg) => format!(" {}", names.join(" ")),
-        _ => String::new(),
+        _ if is_flag(arg) => String::new(),
+        _ if !possible.is_empty() => format!(" {}", possible.join("|")),
+        names => names.map(|names| format!(" {}", names.join(" "))).unwrap_or_default(),
     };
     Some(format!("--{long}{value}: {first}"))
 }
@@ -260,29 +263,37 @@ mod tests {
         );
     }
 
-    /// An option that reads or writes a file is confined only if its definition has a path as type or hint. This list
-    /// is the review of all options that clients can set: add a new one to it after checking that.
+    /// A file is confined only if the definition of its option has a path as type or hint. Whoever adds an option
+    /// that clients can set has to add it here, to the paths or to the texts that name no file.
     #[test]
     fn every_option_is_known_to_take_a_path_or_none() {
-        let mut paths = Vec::new();
+        let (mut paths, mut texts) = (Vec::new(), Vec::new());
         for known in &SUBCOMMANDS {
             let command = known.command();
-            for arg in command.get_arguments().filter(|arg| !is_flag(arg)) {
-                let names = arg.get_value_names().unwrap_or_default();
-                let looks = ["FILE", "OUT", "SCAN", "LOW", "SCHEMA", "FOLDER", "DIR", "PATH"];
-                let looks_like = names.iter().any(|name| looks.iter().any(|look| name.contains(look)));
-                assert!(!looks_like || takes_path(arg), "{} {}", known.name, arg.get_id());
-                if takes_path(arg) {
-                    paths.push(format!("{} {}", known.name, name_of(arg)));
+            let mut arguments: Vec<&Arg> =
+                command.get_arguments().filter(|arg| !is_flag(arg) && !arg.is_hide_set()).collect();
+            arguments.sort_by_key(|arg| name_of(arg));
+            for arg in arguments {
+                let is_text = arg.get_value_parser().type_id() == TypeId::of::<String>();
+                let name = format!("{} {}", known.name, name_of(arg));
+                match takes_path(arg) {
+                    true => paths.push(name),
+                    false if is_text && arg.get_possible_values().is_empty() => texts.push(name),
+                    false => {}
                 }
             }
         }
         assert_eq!(
             paths.join(", "),
-            "inspect model, inspect audit, inspect product_info, bake high, bake output, bake low, bake trials, \
-             bake cage, bake provenance, verify asset, verify scan, verify output, render model, render output, \
-             render material, render base_color_map, render normal_map, render height_map, render occlusion_map, \
-             render env"
+            "inspect audit, inspect model, inspect product_info, bake cage, bake high, bake low, bake output, \
+             bake provenance, bake trials, verify asset, verify output, verify scan, render base_color_map, \
+             render env, render height_map, render material, render model, render normal_map, \
+             render occlusion_map, render output"
+        );
+        assert_eq!(
+            texts.join(", "),
+            "bake date, bake operator, verify date, verify operator, render animation, render aov, \
+             render background, render camera, render light, render variant"
         );
     }
 }
