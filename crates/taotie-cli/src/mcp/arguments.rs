@@ -201,7 +201,7 @@ mod tests {
         fs::write(place.path().join("secret.png"), "").unwrap();
         fs::write(inside.join("a.toml"), "maps = { normal = '../secret.png' }").unwrap();
         fs::write(inside.join("b.toml"), "maps = { normal = 'n.png' }").unwrap();
-        let folders = Folders::of_command(std::slice::from_ref(&inside)).unwrap();
+        let folders = Folders::of_command(std::slice::from_ref(&inside), Path::new(".")).unwrap();
         let tool = Subcommand::named(tool).unwrap();
         let line = CommandLine::of(tool, given.as_object().unwrap(), (&folders, place.path()));
         let (inside, place) = (inside.canonicalize().unwrap(), place.path().display().to_string());

@@ -16,20 +16,29 @@ pub struct Folders {
 }
 
 impl Folders {
-    /// Returns the folders given on the command line, otherwise the current folder.
+    /// Returns the folders given on the command line, otherwise the folder `here`; none if that is the root of a file
+    /// system, where some clients start their servers.
     ///
     /// # Errors
     /// If one is not a folder.
-    pub fn of_command(given: &[PathBuf]) -> Result<Self> {
+    pub fn of_command(given: &[PathBuf], here: &Path) -> Result<Self> {
         let bounds = given.iter().map(|path| folder(path)).collect::<Result<Vec<_>>>()?;
-        let allowed = if bounds.is_empty() { vec![folder(Path::new("."))?] } else { bounds.clone() };
-        Ok(Self { allowed, bounds })
+        if bounds.is_empty() {
+            let here = folder(here)?;
+            let allowed = if here.parent().is_some() { vec![here] } else { Vec::new() };
+            return Ok(Self { allowed, bounds });
+        }
+        Ok(Self { allowed: bounds.clone(), bounds })
     }
 
     /// Returns the folders that a client declares as roots, within those of the command line. Roots that are not
-    /// existing folders of this machine are left out.
-    pub fn of_roots<'a>(&self, uris: impl IntoIterator<Item = &'a str>) -> Self {
-        let roots = uris.into_iter().filter_map(|uri| folder(&path_of(uri)?).ok());
+    /// existing folders of this machine are left out. An empty list declares nothing: clients without a project send
+    /// it.
+    pub fn of_roots(&self, uris: &[&str]) -> Self {
+        if uris.is_empty() {
+            return self.clone();
+        }
+        let roots = uris.iter().filter_map(|uri| folder(&path_of(uri)?).ok());
         let allowed = roots.flat_map(|root| self.within_bounds(root)).collect();
         Self { allowed, bounds: self.bounds.clone() }
     }
@@ -90,7 +99,7 @@ impl Folders {
     fn advice(&self) -> String {
         let names: Vec<String> = self.allowed.iter().map(|folder| folder.display().to_string()).collect();
         match names.is_empty() {
-            true => "the client declares no folder that this server may use".into(),
+            true => "no folder is allowed; name folders on the command line of the server".into(),
             false => format!("use files in {}", names.join(", ")),
         }
     }
@@ -142,7 +151,7 @@ mod tests {
             fs::create_dir(place.path().join(name)).unwrap();
             fs::write(place.path().join(name).join("a.obj"), "").unwrap();
         }
-        let folders = Folders::of_command(&[place.path().join("in")]).unwrap();
+        let folders = Folders::of_command(&[place.path().join("in")], Path::new(".")).unwrap();
         (place, folders)
     }
 
@@ -192,7 +201,7 @@ mod tests {
         let (place, folders) = place();
         let declared = |names: &[&str]| {
             let uris: Vec<String> = names.iter().map(|name| uri(&place.path().join(name))).collect();
-            folders.of_roots(uris.iter().map(String::as_str))
+            folders.of_roots(&uris.iter().map(String::as_str).collect::<Vec<_>>())
         };
         fs::create_dir(place.path().join("in/a b")).unwrap();
         let allows =
@@ -201,12 +210,24 @@ mod tests {
         assert!(allows(&below, "in/a b/x") && !allows(&below, "in/a.obj") && !allows(&below, "out/a.obj"));
         let above = declared(&[""]);
         assert!(allows(&above, "in/a.obj") && !allows(&above, "out/a.obj"));
-        for none in [declared(&["out"]), declared(&[]), declared(&["missing"]), declared(&["in/a.obj"])] {
+        assert!(allows(&declared(&[]), "in/a.obj"), "an empty list changes nothing");
+        for none in [declared(&["out"]), declared(&["missing"]), declared(&["in/a.obj"])] {
             assert!(!allows(&none, "in/a.obj") && none.resolve("a.obj".as_ref()).is_err());
         }
         let free = Folders { bounds: Vec::new(), ..folders.clone() };
-        let free =
-            free.of_roots([uri(&place.path().join("out")).as_str(), "https://example.org", "file://host/x"]);
+        let out = uri(&place.path().join("out"));
+        let free = free.of_roots(&[out.as_str(), "https://example.org", "file://host/x"]);
         assert!(allows(&free, "out/a.obj") && !allows(&free, "in/a.obj"));
+    }
+
+    #[test]
+    fn a_whole_file_system_is_not_the_default() {
+        let place = tempfile::tempdir().unwrap();
+        let root = place.path().ancestors().last().unwrap();
+        let error =
+            Folders::of_command(&[], root).unwrap().resolve("a.obj".as_ref()).unwrap_err().to_string();
+        assert_eq!(error, "a.obj: no folder is allowed; name folders on the command line of the server");
+        assert!(Folders::of_command(&[root.into()], root).unwrap().resolve("a.obj".as_ref()).is_ok());
+        assert!(Folders::of_command(&[], place.path()).unwrap().resolve("a.obj".as_ref()).is_ok());
     }
 }

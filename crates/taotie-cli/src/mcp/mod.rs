@@ -16,7 +16,7 @@ use folders::Folders;
 use rmcp::ServiceExt;
 use rmcp::transport::io::stdio_pipes;
 use server::Server;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -37,7 +37,7 @@ pub struct McpArgs {
 
 /// Runs the subcommand.
 pub fn run(args: &McpArgs) -> Result<Outcome> {
-    let folders = Folders::of_command(&args.folders)?;
+    let folders = Folders::of_command(&args.folders, Path::new("."))?;
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
     runtime.context("cannot start the server")?.block_on(serve(Server::new(folders)))?;
     Ok(Outcome::Fine)

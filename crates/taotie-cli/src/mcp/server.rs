@@ -73,7 +73,8 @@ impl Server {
                 return Ok(Err(InputRequiredResult::from_input_requests([(ROOTS.into(), request)].into())));
             }
         };
-        Ok(Ok(self.folders.of_roots(listed.roots.iter().map(|root| root.uri.as_str()))))
+        let uris: Vec<&str> = listed.roots.iter().map(|root| root.uri.as_str()).collect();
+        Ok(Ok(self.folders.of_roots(&uris)))
     }
 
     /// Runs a tool.

@@ -4,7 +4,7 @@ use crate::place::Place;
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
-use std::process::{Child, ChildStdin, Stdio};
+use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::mpsc::{self, Receiver};
 use std::time::{Duration, Instant};
 
@@ -28,8 +28,19 @@ pub struct Client {
 impl Client {
     /// Starts `taotie mcp` in a place without a handshake.
     pub fn start(place: &Place, folders: &[&str]) -> Self {
-        let arguments = [&["mcp"], folders].concat();
-        let mut process = place.process(&arguments);
+        Self::of(place.process(&[&["mcp"], folders].concat()))
+    }
+
+    /// Starts the server in another folder, and shakes hands.
+    pub fn in_folder(place: &Place, folder: &str) -> Self {
+        let mut process = place.process(&["mcp"]);
+        process.current_dir(folder);
+        let mut client = Self::of(process);
+        client.shake(&json!({}));
+        client
+    }
+
+    fn of(mut process: Command) -> Self {
         process.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null());
         let mut server = process.spawn().expect("the server starts");
         let (stdin, stdout) = (server.stdin.take(), server.stdout.take().expect("it is a pipe"));
@@ -53,15 +64,19 @@ impl Client {
             Some(_) => json!({ "roots": { "listChanged": true } }),
             None => json!({}),
         };
-        let answer = client.ask(
+        client.shake(&capabilities);
+        client
+    }
+
+    fn shake(&mut self, capabilities: &Value) {
+        let answer = self.ask(
             "initialize",
             json!({ "protocolVersion": "2025-06-18", "capabilities": capabilities,
                 "clientInfo": { "name": "test", "version": "1" } }),
         );
         assert_eq!(answer["result"]["protocolVersion"], "2025-06-18", "{answer}");
         assert_eq!(answer["result"]["serverInfo"]["name"], "taotie");
-        client.send(&json!({ "jsonrpc": "2.0", "method": "notifications/initialized" }));
-        client
+        self.send(&json!({ "jsonrpc": "2.0", "method": "notifications/initialized" }));
     }
 
     /// Declares folders as roots from now on.
