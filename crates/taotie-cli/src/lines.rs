@@ -41,8 +41,8 @@ pub enum Line {
 /// Largest file of a picture: 1 MB in Base64.
 const MOST_BYTES: usize = 750_000;
 
-/// Maximum side of a picture that replaces a larger file, pixels.
-const MOST_SIDE: usize = 1024;
+/// Sides of pictures that replace a larger file, pixels: the first that is small enough is sent. The last one always is.
+const SIDES: [usize; 2] = [1024, 512];
 
 /// Minimum time between two reports of progress in a stage.
 const PAUSE: Duration = Duration::from_millis(100);
@@ -109,9 +109,15 @@ pub fn show_file(path: &Path) -> Result<()> {
         send_file(caption, &file);
         return Ok(());
     }
-    let sheet = Sheet::preview(&taotie_io::read_bitmap(path)?, usize::MAX).shrunk(MOST_SIDE);
-    let caption = format!("{caption}, reduced to {}×{} pixels:", sheet.width, sheet.height);
-    send_file(caption, &Picture::to_look_at("", "", &sheet)?.file);
+    let sheet = Sheet::preview(&taotie_io::read_bitmap(path)?, usize::MAX);
+    for side in SIDES {
+        let small = sheet.shrunk(side);
+        let file = Picture::to_look_at("", "", &small)?.file;
+        if file.len() <= MOST_BYTES {
+            send_file(format!("{caption}, reduced to {}×{} pixels:", small.width, small.height), &file);
+            return Ok(());
+        }
+    }
     Ok(())
 }
 

@@ -99,7 +99,7 @@ impl Folders {
     fn advice(&self) -> String {
         let names: Vec<String> = self.allowed.iter().map(|folder| folder.display().to_string()).collect();
         match names.is_empty() {
-            true => "no folder is allowed; name folders on the command line of the server".into(),
+            true => "no folder is allowed; specify folders on the command line of the server".into(),
             false => format!("use files in {}", names.join(", ")),
         }
     }
@@ -226,7 +226,7 @@ mod tests {
         let root = place.path().ancestors().last().unwrap();
         let error =
             Folders::of_command(&[], root).unwrap().resolve("a.obj".as_ref()).unwrap_err().to_string();
-        assert_eq!(error, "a.obj: no folder is allowed; name folders on the command line of the server");
+        assert_eq!(error, "a.obj: no folder is allowed; specify folders on the command line of the server");
         assert!(Folders::of_command(&[root.into()], root).unwrap().resolve("a.obj".as_ref()).is_ok());
         assert!(Folders::of_command(&[], place.path()).unwrap().resolve("a.obj".as_ref()).is_ok());
     }

@@ -34,6 +34,9 @@ const PATIENCE: Duration = Duration::from_secs(10);
 /// Most items of a list in a result; the report has all.
 const MOST_ITEMS: usize = 100;
 
+/// Most bytes of a text in a result.
+const MOST_TEXT: usize = 20_000;
+
 /// Parts of a report that a result leaves out: details of the measurement, trials of a search, times of stages.
 const LEFT_OUT: [&str; 3] = ["proof", "trials", "stages"];
 
@@ -160,7 +163,10 @@ fn result(done: Done, written: Option<&Path>) -> Result<CallToolResult> {
     let mut content = Vec::new();
     for line in done.lines {
         match line {
-            Line::Text(text) => content.insert(0, ContentBlock::text(text)),
+            Line::Text(mut text) => {
+                shorten_text(&mut text);
+                content.insert(0, ContentBlock::text(text));
+            }
             Line::Picture { caption, mime, data } => {
                 content.extend([ContentBlock::text(caption), ContentBlock::image(data, mime)]);
             }
@@ -217,7 +223,16 @@ fn shorten(value: &mut Value) {
             }
         }
         Value::Object(members) => members.values_mut().for_each(shorten),
+        Value::String(text) => shorten_text(text),
         _ => {}
+    }
+}
+
+fn shorten_text(text: &mut String) {
+    if text.len() > MOST_TEXT {
+        let end = (0..=MOST_TEXT).rev().find(|end| text.is_char_boundary(*end));
+        text.truncate(end.unwrap_or(0));
+        text.push_str("\n…");
     }
 }
 
@@ -247,5 +262,44 @@ impl ServerHandler for Server {
         Ok(self.run(tool, request, &context).await.unwrap_or_else(|error| {
             CallToolResult::error(vec![ContentBlock::text(console::causes(&error))]).into()
         }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    fn done(code: Option<i32>, lines: &[&str]) -> Done {
+        let lines = lines.iter().map(|line| Line::Message((*line).into())).collect();
+        Done { code, json: br#"{ "files": ["a.png"], "proof": 1 }"#.to_vec(), lines }
+    }
+
+    #[test]
+    fn failures_have_the_message_of_the_program() {
+        let why = |done: Done| result(done, None).unwrap_err().to_string();
+        assert_eq!(why(done(Some(2), &["reading", "taotie: error: a.obj: broken"])), "a.obj: broken");
+        assert_eq!(why(done(Some(101), &["a", "b"])), "exit code 101: a\nb");
+        assert!(why(done(None, &[])).contains("killed"));
+        assert!(why(Done { json: Vec::new(), ..done(Some(0), &[]) }).contains("invalid report"));
+    }
+
+    #[test]
+    fn a_requirement_that_is_not_met_is_a_result() {
+        let shown = result(done(Some(1), &["warning"]), Some(Path::new("/in"))).unwrap();
+        assert_eq!(
+            (shown.is_error, shown.structured_content),
+            (Some(false), Some(json!({ "files": ["/in/a.png"] })))
+        );
+        let shown = result(done(Some(0), &[]), None).unwrap();
+        assert_eq!(shown.structured_content, Some(json!({ "files": [] })), "temporary files are not listed");
+    }
+
+    #[test]
+    fn long_results_are_shortened() {
+        let mut value = json!({ "a": vec![1; 250], "b": "é".repeat(MOST_TEXT), "c": ["short"] });
+        shorten(&mut value);
+        assert_eq!((value["a"].as_array().unwrap().len(), &value["a"][100]), (101, &json!("150 more")));
+        assert!(value["b"].as_str().unwrap().len() < MOST_TEXT + 5 && value["c"] == json!(["short"]));
     }
 }
