@@ -51,7 +51,7 @@ impl CommandLine {
     }
 }
 
-/// Returns the words of a command line that JSON arguments stand for.
+/// Returns the words of the command line for JSON arguments.
 fn words(tool: &Subcommand, command: &clap::Command, given: &JsonObject) -> Result<Vec<OsString>> {
     let (mut words, mut places) = (Vec::new(), Vec::new());
     for (name, value) in given.iter().filter(|(name, value)| *name != OPTIONS && !value.is_null()) {

@@ -13,7 +13,7 @@ pub struct Subcommand {
     pub name: &'static str,
     /// The arguments that have properties; all others are passed as [`OPTIONS`].
     properties: &'static [&'static str],
-    /// What a call returns.
+    /// The result of a call, in a sentence.
     returns: &'static str,
     /// True if a call without an output writes to a temporary file.
     pub may_lack_output: bool,
