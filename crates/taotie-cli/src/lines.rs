@@ -41,7 +41,7 @@ pub enum Line {
 /// Largest file of a picture: 1 MB in Base64.
 const MOST_BYTES: usize = 750_000;
 
-/// Sides of pictures that replace a larger file, pixels: the first that is small enough is sent. The last one always is.
+/// Sides of pictures that replace a larger file, pixels: the first that is small enough is sent.
 const SIDES: [usize; 2] = [1024, 512];
 
 /// Minimum time between two reports of progress in a stage.
