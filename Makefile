@@ -16,9 +16,10 @@ test: tools ## Check formatting and run the quick tests
 	cargo test --workspace --lib --bins $(addprefix --test ,$(QUICK))
 
 test-slow: tools ## Check lints, documentation and features, and run the other tests: with `make test`, all that CI runs
-	cargo clippy --workspace --all-targets -- -D warnings
+	cargo clippy --workspace --all-targets --features taotie-cli/mcp -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --no-deps --workspace
 	cargo test --workspace $(addprefix --test ,$(SLOW))
+	cargo test --workspace --features taotie-cli/mcp --lib --test cli mcp::
 	cargo test --workspace --doc
 	$(MAKE) features
 

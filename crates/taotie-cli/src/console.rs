@@ -1,7 +1,10 @@
 //! The output of the command: results on stdout, messages and progress on stderr.
 
+#[cfg(feature = "mcp")]
+use crate::lines::{self, Line};
 use anyhow::Result;
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::io::{self, Write};
 use std::path::Path;
@@ -9,6 +12,7 @@ use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 use taotie_engine::Warnings;
+use taotie_report::View;
 
 /// Writes a result line to stdout, replacing control characters, which may come from files and their names, except
 /// line ends.
@@ -74,6 +78,10 @@ pub fn say(line: &str) {
 
 /// Writes an error to stderr, replacing control characters except line ends. A closed stderr is not an error.
 pub fn complain(line: &str) {
+    #[cfg(feature = "mcp")]
+    if lines::are_wanted() {
+        return lines::send(&Line::Message(plain_lines(line).into_owned()));
+    }
     let _ = writeln!(io::stderr().lock(), "{}", plain_lines(line));
 }
 
@@ -113,6 +121,42 @@ impl Drop for SilencedStderr {
     fn drop(&mut self) {
         let _ = rustix::stdio::dup2_stderr(&self.kept);
     }
+}
+
+/// Writes a report to stdout, as JSON or as text.
+pub fn report<T: Serialize>(is_json: bool, report: &T, text: impl FnOnce(&T) -> String) -> Result<()> {
+    #[cfg(feature = "mcp")]
+    if lines::are_wanted() {
+        lines::send(&Line::Text(plain_lines(&text(report)).into_owned()));
+        return result(&serde_json::to_string(report)?);
+    }
+    match is_json {
+        true => result(&serde_json::to_string_pretty(report)?),
+        false => result(&text(report)),
+    }
+}
+
+/// Returns true if the program that runs this command shows pictures of the result.
+pub fn shows_pictures() -> bool {
+    #[cfg(feature = "mcp")]
+    return lines::are_wanted();
+    #[cfg(not(feature = "mcp"))]
+    false
+}
+
+/// Sends pictures of a report page to the program that runs this command.
+#[cfg_attr(not(feature = "mcp"), expect(unused_variables, reason = "nothing shows them"))]
+pub fn show(views: &[View]) {
+    #[cfg(feature = "mcp")]
+    lines::show(views);
+}
+
+/// Sends a PNG file likewise.
+#[cfg_attr(not(feature = "mcp"), expect(unused_variables, reason = "nothing shows it"))]
+pub fn show_file(path: &Path) -> Result<()> {
+    #[cfg(feature = "mcp")]
+    lines::show_file(path)?;
+    Ok(())
 }
 
 /// Writes each kind of warning with its count to stderr.
@@ -160,13 +204,14 @@ pub struct Bar {
 }
 
 /// A line of progress for programs.
-#[derive(serde::Serialize)]
-struct ProgressLine<'a> {
-    stage: &'a str,
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ProgressLine {
+    /// The running stage.
+    pub stage: String,
     /// Completed fraction of the stage, in [0, 1].
-    done: f64,
+    pub done: f64,
     /// Estimated seconds left, of the whole work if it has several stages.
-    left_s: Option<f64>,
+    pub left_s: Option<f64>,
 }
 
 /// Milliseconds between lines of progress.
@@ -233,8 +278,9 @@ impl Bar {
         if last == 0 || now >= last + LINE_MS {
             self.line.store(now, Ordering::Relaxed);
             let left_s = left.map(|left| (left.as_secs_f64() * 10.0).round() / 10.0);
-            let line = ProgressLine { stage: &self.title, done: (done * 1e3).round() / 1e3, left_s };
-            complain(&serde_json::to_string(&line).unwrap_or_default());
+            let line = ProgressLine { stage: self.title.clone(), done: (done * 1e3).round() / 1e3, left_s };
+            let text = serde_json::to_string(&line).unwrap_or_default();
+            let _ = writeln!(io::stderr().lock(), "{text}");
         }
     }
 

@@ -11,7 +11,11 @@ mod console;
 mod demo;
 mod diff;
 mod inspect;
+#[cfg(feature = "mcp")]
+mod lines;
 mod materials;
+#[cfg(feature = "mcp")]
+mod mcp;
 mod normals;
 mod options;
 mod proof_args;
@@ -76,6 +80,13 @@ enum Command {
     Materials(materials::MaterialsArgs),
     /// Renders the built-in bronze with every method and model, and measures the error.
     Demo(demo::DemoArgs),
+    /// Serves AI assistants over the Model Context Protocol.
+    #[cfg(feature = "mcp")]
+    Mcp(mcp::McpArgs),
+    /// Runs a command for `taotie mcp`.
+    #[cfg(feature = "mcp")]
+    #[command(name = mcp::WORKER, hide = true)]
+    McpWorker(mcp::WorkerArgs),
     /// Prints a shell completion script for subcommands and options.
     Completions(completions::CompletionsArgs),
 }
@@ -129,6 +140,10 @@ pub fn exit_code(args: impl IntoIterator<Item = OsString>) -> u8 {
         Command::View(args) => view::run(&args).map(|()| Outcome::Fine),
         Command::Materials(args) => materials::run(&args).map(|()| Outcome::Fine),
         Command::Demo(args) => demo::run(&args).map(|()| Outcome::Fine),
+        #[cfg(feature = "mcp")]
+        Command::Mcp(args) => mcp::run(&args),
+        #[cfg(feature = "mcp")]
+        Command::McpWorker(args) => mcp::work(&args),
         Command::Completions(args) => completions::run(&args).map(|()| Outcome::Fine),
     };
     if stop::is_ending() {

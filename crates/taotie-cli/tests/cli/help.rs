@@ -1,11 +1,12 @@
 //! Help pages.
 
 use super::place::Place;
-use snapbox::str;
 
+// The cargo feature `mcp` adds a subcommand.
+#[cfg(not(feature = "mcp"))]
 #[test]
 fn the_program_names_its_subcommands() {
-    Place::new().taotie("--help").assert().success().stderr_eq("").stdout_eq(str![[r#"
+    Place::new().taotie("--help").assert().success().stderr_eq("").stdout_eq(snapbox::str![[r#"
 Bakes high-poly scans to low-poly glTF with normal maps, renders them, and measures the error
 
 Usage: taotie [OPTIONS] <COMMAND>
