@@ -11,6 +11,7 @@ mod console;
 mod demo;
 mod diff;
 mod inspect;
+mod manual;
 mod materials;
 mod normals;
 mod options;
@@ -27,6 +28,11 @@ use clap::builder::UnknownArgumentValueParser;
 use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::ffi::OsString;
 use std::process::ExitCode;
+
+/// The allocator of static programs and of wheels for musl, whose own serves one thread at a time.
+#[cfg(target_env = "musl")]
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 /// Bakes high-poly scans to low-poly glTF with normal maps, renders them, and measures the error.
 #[derive(Parser)]
@@ -75,6 +81,9 @@ enum Command {
     Demo(demo::DemoArgs),
     /// Prints a shell completion script for subcommands and options.
     Completions(completions::CompletionsArgs),
+    /// Writes the manual pages of the command, for packages.
+    #[command(hide = true)]
+    ManPages(manual::ManPagesArgs),
 }
 
 /// The outcome of a run without an error.
@@ -126,6 +135,7 @@ pub fn exit_code(args: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Materials(args) => materials::run(&args).map(|()| Outcome::Fine),
         Command::Demo(args) => demo::run(&args).map(|()| Outcome::Fine),
         Command::Completions(args) => completions::run(&args).map(|()| Outcome::Fine),
+        Command::ManPages(args) => manual::run(&args).map(|()| Outcome::Fine),
     };
     if stop::is_ending() {
         stop::wait();
