@@ -133,5 +133,6 @@ def test_the_page_covers_every_crate_of_a_release() -> None:
     assert {library.crate for library in libraries.VENDORED} <= found
     assert {"clap", "pyo3", "wgpu", "objc2-metal"} <= found and not {"snapbox", "criterion", "syn"} & found
     page = licences.page(crates).decode()
-    assert all(f">{crate.name}</a></td><td>{crate.version}</td>" in page for crate in crates)
+    plain = page.replace("</a>", "")
+    assert all(f">{crate.name}</td><td>{crate.version}</td>" in plain for crate in crates)
     assert not re.search(r"(?i)<pre>\s*gnu general public", page)
