@@ -47,8 +47,8 @@ def sysroot() -> Path:
 def environment() -> dict[str, str]:
     """Return the environment of reproducible builds: paths are replaced by names, in Rust, C and C++."""
     flags = [f"--remap-path-prefix={path}={name}" for path, name in renamed().items()]
-    # For the macro __FILE__.
-    maps = " ".join(f"-ffile-prefix-map={path}={name}" for path, name in renamed().items())
+    # For the macro __FILE__. There is C and C++ only in crates.
+    maps = " ".join(f"-ffile-prefix-map={path}={name}" for path, name in renamed().items() if path in (cargo_home(), place.BUILD))
     settings = tomllib.loads((place.ROOT / ".cargo/config.toml").read_text())["env"]
     compilers = {name: f"{settings[name]} {maps}" for name in ("CFLAGS", "CXXFLAGS")}
     path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
@@ -59,7 +59,12 @@ def environment() -> dict[str, str]:
 
 
 def renamed() -> dict[Path, str]:
-    """Return the names that replace paths. The last of several that match counts: the innermost folder."""
+    """Return the names that replace paths. The last one that matches counts, so that folders follow those around them."""
     commit = next(line.split()[1] for line in output(["rustc", "-vV"]).splitlines() if line.startswith("commit-hash"))
-    cargo = Path(os.environ.get("CARGO_HOME", Path.home() / ".cargo")).resolve()
-    return {cargo: "/cargo", place.ROOT: "/taotie", place.BUILD: "/build", standard_library() / "src/rust": f"/rustc/{commit}"}
+    ours = {place.BUILD: "/taotie/target", place.ROOT: "/taotie"}
+    outer_first = sorted(ours.items(), key=lambda pair: len(pair[0].parts))
+    return {standard_library() / "src/rust": f"/rustc/{commit}", cargo_home(): "/cargo", **dict(outer_first)}
+
+
+def cargo_home() -> Path:
+    return Path(os.environ.get("CARGO_HOME", Path.home() / ".cargo")).resolve()
