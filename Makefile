@@ -1,7 +1,7 @@
 # Commands for developers: `make` lists them. Nearly all of them run cargo.
 
 .DEFAULT_GOAL := help
-.PHONY: help test test-slow features campaign faults memory bench bench-bake bench-render bench-reference bench-scaling bench-check bench-store bench-fma bench-floor bench-gpu bench-sizes same-bytes brute-force bench-distances proofs-table bench-python bench-viewer docs errors asset-table tables shaders shader-errors security fuzz python wheel bless tools viewer
+.PHONY: help test test-slow features campaign faults memory bench bench-bake bench-render bench-reference bench-scaling bench-check bench-store bench-fma bench-floor bench-gpu bench-sizes same-bytes brute-force bench-distances proofs-table bench-python bench-viewer docs errors asset-table tables shaders shader-errors security fuzz python wheel dist bless tools viewer
 
 help: ## List these commands
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
@@ -220,6 +220,17 @@ $(PYTHON_VENV)/ready: python/requirements.txt python/tests/requirements.txt
 
 wheel: $(PYTHON_VENV)/ready ## Build a wheel for this machine into target/wheels
 	$(PYTHON_VENV)/bin/maturin build --release
+
+# TARGETS lists triples, or is `all`; what cannot be linked here is only checked. The date of all files is SOURCE_DATE_EPOCH
+# or that of the commit: two builds of a commit are equal.
+DIST_VENV = target/dist-build/venv
+dist: $(DIST_VENV)/ready ## Build programs and wheels for others into target/dist, for this machine or TARGETS: docs/install.md
+	$(DIST_VENV)/bin/python dist/build.py $(TARGETS)
+
+$(DIST_VENV)/ready: dist/requirements.txt
+	$(PYTHON) -m venv $(DIST_VENV)
+	$(DIST_VENV)/bin/pip install --quiet --requirement $<
+	touch $@
 
 # MODEL is a PLY scan. Each package gets a separate environment below target/bench-python, several gigabytes in total.
 bench-python: wheel ## Time the first image of a scan by Taotie and other Python packages, for docs/python.md; MODEL=scan.ply

@@ -13,6 +13,7 @@ mod diff;
 mod inspect;
 #[cfg(feature = "mcp")]
 mod lines;
+mod manual;
 mod materials;
 #[cfg(feature = "mcp")]
 mod mcp;
@@ -31,6 +32,11 @@ use clap::builder::UnknownArgumentValueParser;
 use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::ffi::OsString;
 use std::process::ExitCode;
+
+/// The allocator of static programs and of wheels for musl, whose own serves one thread at a time.
+#[cfg(target_env = "musl")]
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 /// Bakes high-poly scans to low-poly glTF with normal maps, renders them, and measures the error.
 #[derive(Parser)]
@@ -89,6 +95,9 @@ enum Command {
     McpWorker(mcp::WorkerArgs),
     /// Prints a shell completion script for subcommands and options.
     Completions(completions::CompletionsArgs),
+    /// Writes the manual pages of the command, for packages.
+    #[command(hide = true)]
+    ManPages(manual::ManPagesArgs),
 }
 
 /// The outcome of a run without an error.
@@ -145,6 +154,7 @@ pub fn exit_code(args: impl IntoIterator<Item = OsString>) -> u8 {
         #[cfg(feature = "mcp")]
         Command::McpWorker(args) => mcp::work(&args),
         Command::Completions(args) => completions::run(&args).map(|()| Outcome::Fine),
+        Command::ManPages(args) => manual::run(&args).map(|()| Outcome::Fine),
     };
     if stop::is_ending() {
         stop::wait();

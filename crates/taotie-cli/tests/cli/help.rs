@@ -76,3 +76,23 @@ fn every_shell_gets_a_script() {
         }
     }
 }
+
+#[test]
+fn every_subcommand_has_a_manual_page() {
+    let place = Place::new();
+    let output = place.taotie("man-pages man").assert().success().stderr_eq("").get_output().clone();
+    let help = place.taotie("--help").output().expect("the command runs").stdout;
+    let help = String::from_utf8_lossy(&help).into_owned();
+    let commands = help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
+    let names = commands.filter_map(|line| Some(format!("taotie-{}.1", line.split_whitespace().next()?)));
+    let mut expected: Vec<String> = names.chain([String::from("taotie.1")]).collect();
+    expected.sort();
+    let printed = String::from_utf8(output.stdout).expect("names are text");
+    let mut written: Vec<&str> = printed.lines().filter_map(|line| line.strip_prefix("man/")).collect();
+    written.sort_unstable();
+    assert_eq!(written, expected);
+    let page = String::from_utf8(place.read("man/taotie-bake.1")).expect("a page is text");
+    for part in [".SH EXAMPLES", "taotie bake ", "taotie\\-bake", r"\-\-images"] {
+        assert!(page.contains(part), "{part} is missing from {page}");
+    }
+}
