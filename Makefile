@@ -1,7 +1,7 @@
 # Commands for developers: `make` lists them. Nearly all of them run cargo.
 
 .DEFAULT_GOAL := help
-.PHONY: help test test-slow features campaign faults memory bench bench-bake bench-render bench-reference bench-scaling bench-check bench-store bench-fma bench-floor bench-gpu bench-sizes same-bytes brute-force bench-distances proofs-table bench-python bench-viewer docs errors asset-table tables shaders shader-errors security fuzz python wheel dist bless tools viewer
+.PHONY: help test test-slow features campaign faults memory bench bench-bake bench-render bench-reference bench-scaling bench-check bench-store bench-fma bench-floor bench-gpu bench-sizes same-bytes brute-force bench-distances proofs-table bench-python bench-viewer docs errors asset-table tables shaders shader-errors security fuzz python wheel dist bless tools viewer site site-check site-links
 
 help: ## List these commands
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
@@ -11,17 +11,20 @@ help: ## List these commands
 QUICK = architecture comparison fuzz images io memory memory_of_documents options oracle pixel recorded render shaders translation turntable
 SLOW = batch browser cli features jue laws models python webgl workflow
 
+# Released programs have these features.
+RELEASED = --features taotie-cli/mcp
+
 test: tools ## Check formatting and run the quick tests
 	cargo fmt --all --check
-	cargo test --workspace --lib --bins $(addprefix --test ,$(QUICK))
+	cargo test --workspace $(RELEASED) --lib --bins $(addprefix --test ,$(QUICK))
 
 test-slow: tools ## Check lints, documentation and features, and run the other tests: with `make test`, all that CI runs
-	cargo clippy --workspace --all-targets --features taotie-cli/mcp -- -D warnings
+	cargo clippy --workspace $(RELEASED) --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --no-deps --workspace
-	cargo test --workspace $(addprefix --test ,$(SLOW))
-	cargo test --workspace --features taotie-cli/mcp --lib --test cli mcp::
-	cargo test --workspace --doc
+	cargo test --workspace $(RELEASED) $(addprefix --test ,$(SLOW))
+	cargo test --workspace $(RELEASED) --doc
 	$(MAKE) features
+	$(MAKE) site-check
 
 # `campaign` also checks other combinations.
 features: ## Check the library and the command without their cargo features
@@ -164,6 +167,33 @@ bench-distances: $(DISTANCES_VENV)/ready ## Compare distance bounds with two mil
 $(DISTANCES_VENV)/ready: benches/distances/requirements.txt
 	$(PYTHON) -m venv $(DISTANCES_VENV)
 	$(DISTANCES_VENV)/bin/pip install --quiet --requirement $<
+	touch $@
+
+# TAOTIE=/path/to/taotie makes the pictures of the gallery and the viewer's page; by default a release build, if there is
+# one. Each command runs once until it or the program changes. The newest wheel of `make wheel` runs the notebooks.
+SITE = target/site
+SPHINX = $(SITE)/venv/bin/sphinx-build --quiet --fail-on-warning --keep-going --fresh-env --write-all --jobs auto -c site
+site: $(SITE)/venv/ready ## Build the docs site into target/site/html; it opens from disk
+	for wheel in $$(ls -t target/wheels/taotie-*.whl 2>/dev/null | head -1); do \
+		$(SITE)/venv/bin/pip install --quiet --force-reinstall --no-deps $$wheel; done
+	$(SITE)/venv/bin/python site/stage.py $(addprefix --program ,$(or $(TAOTIE),$(wildcard target/release/taotie)))
+	$(SPHINX) -b html -d $(SITE)/trees $(SITE)/source $(SITE)/html
+
+# Reads all pages without the program or the Python package: a broken link or anchor, and a page missing from the
+# contents, is an error.
+SPELLED = docs README.md ARCHITECTURE.md CONTRIBUTING.md CHANGELOG.md SECURITY.md python viewer/src site
+site-check: $(SITE)/venv/ready ## Check links, anchors and spelling of the pages
+	$(SITE)/venv/bin/codespell --ignore-words site/spelling.txt $$(git ls-files $(SPELLED) | grep -vE '[.](png|svg)$$')
+	$(SITE)/venv/bin/python site/stage.py --check $(SITE)/check/source
+	$(SPHINX) -b dummy -t check -d $(SITE)/check/trees $(SITE)/check/source $(SITE)/check/out
+
+site-links: $(SITE)/venv/ready ## Check links to other sites
+	$(SITE)/venv/bin/python site/stage.py --check $(SITE)/check/source
+	$(SPHINX) -b linkcheck -t check -d $(SITE)/check/trees $(SITE)/check/source $(SITE)/check/links
+
+$(SITE)/venv/ready: site/requirements.txt
+	$(PYTHON) -m venv $(SITE)/venv
+	$(SITE)/venv/bin/pip install --quiet --requirement $<
 	touch $@
 
 docs: ## Regenerate docs/help, and the tables and images of docs/as-printed.md

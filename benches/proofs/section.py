@@ -11,9 +11,9 @@ HEAD = (
     "missed %", "FLIP", "standard",
 )  # fmt: skip
 TITLES = {
-    "whole": "### The whole scan, packed",
-    "triangles": "### Equal triangle counts",
-    "bytes": "### Equal bytes",
+    "whole": "## The whole scan, packed",
+    "triangles": "## Equal triangle counts",
+    "bytes": "## Equal bytes",
 }
 
 

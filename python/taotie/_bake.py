@@ -139,7 +139,7 @@ class Asset:
 
     @property
     def counts(self) -> dict[str, int]:
-        """The outcome of the samples: samples, missed, lost, shared, texels, missed_texels."""
+        """Counts of the bake (samples, missed, lost, shared, texels, missed_texels)."""
         return dict(self._facts["counts"])
 
     @property

@@ -163,7 +163,7 @@ class Proof:
 
     @property
     def max_deg(self) -> float:
-        """The largest of these angles, in degrees: a maximum over samples."""
+        """The largest of these angles at any sample, in degrees."""
         return self._angle("max")
 
     @property

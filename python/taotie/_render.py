@@ -47,7 +47,7 @@ class Renderer:
 
     @property
     def device(self) -> str:
-        """The device that renders: ``cpu``, or the name of the GPU.
+        """The device that renders, ``cpu`` or the name of the GPU.
 
         Examples
         --------

@@ -19,6 +19,7 @@ from conftest import sphere
 
 NOTEBOOKS = sorted((Path(__file__).parent.parent / "notebooks").glob("*.ipynb"))
 PAGE = Path(__file__).parents[2] / "docs" / "python.md"
+TUTORIAL = PAGE.parent / "tutorials" / "python.md"
 FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE | doctest.IGNORE_EXCEPTION_DETAIL
 
 
@@ -65,6 +66,17 @@ def test_the_page_runs_from_top_to_bottom(tmp_path: Path, monkeypatch: pytest.Mo
     always = len(re.findall(r"(?<!-->\n)```python", text))
     assert run >= always and set(left_out) <= {"anywidget", "pyrender", "trimesh", "trimesh and pyglet", "mitsuba", "bpy"}
     assert Path("scene.glb").exists() and Path("scan.jpg").read_bytes()[:2] == b"\xff\xd8"
+
+
+def test_the_tutorial_prints_what_it_shows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    blocks = re.findall(r"```pycon\n(.*?)```", TUTORIAL.read_text(encoding="utf-8"), re.S)
+    found = doctest.DocTestParser().get_doctest("\n".join(blocks), {}, TUTORIAL.name, None, 0)
+    runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS, verbose=False)
+    out: list[str] = []
+    runner.run(found, out=out.append)
+    assert len(found.examples) > 15 and runner.summarize(verbose=False).failed == 0, "".join(out)
+    assert Path("ring.glb").exists() and Path("ring.html").exists()
 
 
 def present(package: str) -> bool:
