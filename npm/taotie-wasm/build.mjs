@@ -13,19 +13,15 @@ const [SOURCE, DIST] = ["src", "dist"].map((name) => path.join(here, name));
 const MOST = 6e6;
 
 const SHIM = "/* @bjorn3/browser_wasi_shim, MIT OR Apache-2.0, © bjorn3 */";
-const settings = { bundle: true, minify: true, target: "es2022", charset: "utf8", legalComments: "none", external: ["node:*"], write: false };
+export const settings = { bundle: true, minify: true, target: "es2022", charset: "utf8", legalComments: "none", external: ["node:*"], write: false };
 
-/** Entries of workers, by name: one for browsers and threads on files in memory, one for the files of the machine. */
-const WORKERS = { web: { entry: "worker.ts", format: "iife" }, machine: { entry: "machine.ts", format: "cjs", platform: "node" } };
-
-/** Resolves `worker:NAME` to the source of that worker, as text. */
+/** Resolves `worker:web` to the source of the worker, as text. */
 export const workers = {
     name: "workers",
     setup({ onResolve, onLoad }) {
-        onResolve({ filter: /^worker:/ }, ({ path: name }) => ({ path: name.slice("worker:".length), namespace: "worker" }));
-        onLoad({ filter: /./, namespace: "worker" }, async ({ path: name }) => {
-            const { entry, ...form } = WORKERS[name];
-            const { outputFiles } = await build({ ...settings, ...form, entryPoints: [path.join(SOURCE, entry)] });
+        onResolve({ filter: /^worker:/ }, ({ path: name }) => ({ path: name, namespace: "worker" }));
+        onLoad({ filter: /./, namespace: "worker" }, async () => {
+            const { outputFiles } = await build({ ...settings, format: "iife", banner: { js: SHIM }, entryPoints: [path.join(SOURCE, "worker.ts")] });
             return { contents: outputFiles[0].text, loader: "text" };
         });
     },
@@ -38,13 +34,12 @@ export async function packedProgram() {
 }
 
 async function writeEntry(name, platform) {
-    const banner = { js: name === "cli" ? "" : SHIM };
     const entryPoints = [path.join(SOURCE, `${name}.ts`)];
-    await build({ ...settings, platform, format: "esm", banner, plugins: [workers], entryPoints, outdir: DIST, write: true });
+    await build({ ...settings, platform, format: "esm", plugins: [workers], entryPoints, outdir: DIST, write: true });
 }
 
 if (process.argv[1] === fileURLToPath(import.meta.url)) {
-    await Promise.all([writeEntry("browser", "browser"), writeEntry("node", "node"), writeEntry("cli", "node")]);
+    await Promise.all([writeEntry("browser", "browser"), ...["node", "cli", "machine"].map((name) => writeEntry(name, "node"))]);
     const packed = await packedProgram();
     await writeFile(path.join(DIST, "taotie.wasm.gz"), packed);
     console.log(`${packed.length} bytes of program, gzipped`);

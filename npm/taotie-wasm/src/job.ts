@@ -1,7 +1,8 @@
 // Runs the command once, on files in memory.
 
-import { ConsoleStdout, File, OpenFile, PreopenDirectory, WASI } from "@bjorn3/browser_wasi_shim";
+import { ConsoleStdout, File, OpenFile, PreopenDirectory, WASI, wasi as definitions } from "@bjorn3/browser_wasi_shim";
 import { type Bytes, changedFiles, folderOf } from "./folders.js";
+import { importsOf } from "./imports.js";
 import { ENVIRONMENT, Lines, type Progress, progressOf } from "./lines.js";
 
 /** A run of the command. */
@@ -24,21 +25,16 @@ export interface Ended {
 /** A message of a worker. */
 export type Message = { progress: Progress } | { ended: Ended };
 
+/** A stream that is not a terminal. */
+class Stream extends ConsoleStdout {
+    override fd_fdstat_get() {
+        return { ret: 0, fdstat: new definitions.Fdstat(definitions.FILETYPE_UNKNOWN, 0) };
+    }
+}
+
 async function read(files: Job["files"]): Promise<Bytes> {
     const bytes = async (file: ArrayBuffer | Blob) => (file instanceof Blob ? file.arrayBuffer() : file);
     return Object.fromEntries(await Promise.all(Object.entries(files).map(async ([path, file]) => [path, await bytes(file)])));
-}
-
-/** Returns the imports of the program. The shim counts the characters of arguments, but writes their bytes. */
-function importsOf(wasi: WASI, args: string[]): WebAssembly.ModuleImports {
-    const size = args.reduce((sum, arg) => sum + new TextEncoder().encode(arg).length + 1, 0);
-    const args_sizes_get = (count: number, bytes: number): number => {
-        const view = new DataView(wasi.inst.exports.memory.buffer);
-        view.setUint32(count, args.length, true);
-        view.setUint32(bytes, size, true);
-        return 0;
-    };
-    return { ...wasi.wasiImport, args_sizes_get };
 }
 
 function start(wasi: WASI, instance: WebAssembly.Instance): Pick<Ended, "code" | "trap"> {
@@ -60,12 +56,12 @@ export async function run({ module, args, files }: Job, send: (progress: Progres
         if (progress) send(progress);
         else messages.push(line);
     });
-    const output = (lines: Lines) => new ConsoleStdout((bytes) => lines.add(bytes));
+    const output = (lines: Lines) => new Stream((bytes) => lines.add(bytes));
     const named = ["taotie", ...args];
     // Relative and absolute paths are the same.
     const folders = [".", "/"].map((name) => new PreopenDirectory(name, folder));
     const wasi = new WASI(named, [ENVIRONMENT], [new OpenFile(new File([])), output(stdout), output(stderr), ...folders], { debug: false });
-    const instance = await WebAssembly.instantiate(module, { wasi_snapshot_preview1: importsOf(wasi, named) });
+    const instance = await WebAssembly.instantiate(module, { wasi_snapshot_preview1: importsOf(wasi) });
     const outcome = start(wasi, instance);
     stdout.end();
     stderr.end();
