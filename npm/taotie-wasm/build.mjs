@@ -13,10 +13,10 @@ const [SOURCE, DIST] = ["src", "dist"].map((name) => path.join(here, name));
 const MOST = 6e6;
 
 const SHIM = "/* @bjorn3/browser_wasi_shim, MIT OR Apache-2.0, © bjorn3 */";
-export const settings = { bundle: true, minify: true, target: "es2022", charset: "utf8", legalComments: "none", external: ["node:*"], write: false };
+const settings = { bundle: true, minify: true, target: "es2022", charset: "utf8", legalComments: "none", external: ["node:*"], write: false };
 
 /** Resolves `worker:web` to the source of the worker, as text. */
-export const workers = {
+const workers = {
     name: "workers",
     setup({ onResolve, onLoad }) {
         onResolve({ filter: /^worker:/ }, ({ path: name }) => ({ path: name, namespace: "worker" }));
@@ -26,6 +26,12 @@ export const workers = {
         });
     },
 };
+
+/** Returns a bundle of entries that may import the package's sources. */
+export async function bundled(options) {
+    const { outputFiles } = await build({ ...settings, ...options, plugins: [workers] });
+    return outputFiles[0].text;
+}
 
 /** Reads the program and compresses it. */
 export async function packedProgram() {
