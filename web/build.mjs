@@ -4,6 +4,7 @@ import { createHash } from "node:crypto";
 import { mkdir, readFile, rm, writeFile } from "node:fs/promises";
 import path from "node:path";
 import { fileURLToPath } from "node:url";
+import { gunzipSync } from "node:zlib";
 import { bundled, packedProgram } from "../npm/taotie-wasm/build.mjs";
 
 const here = path.dirname(fileURLToPath(import.meta.url));
@@ -69,12 +70,12 @@ function contentOf(known, example) {
         triangles: grouped(known.triangles),
         distance: known.distance,
         sizes: SIZES.map(option).join(""),
-        example: grouped(trianglesOf(example)),
+        example: grouped(trianglesOf(gunzipSync(example))),
     };
 }
 
 const known = await facts();
-const [template, example, program] = await Promise.all([read("web/src/index.html"), readFile(path.join(here, "bronze.glb")), packedProgram()]);
+const [template, example, program] = await Promise.all([read("web/src/index.html"), readFile(path.join(here, "bronze.glb.gz")), packedProgram()]);
 const style = (await read(`${REPORT}/page.css`)) + (await read("web/src/style.css"));
 const scripts = {
     report: await reportScript(),

@@ -3,13 +3,14 @@
 import { type Baked, type Request, bake, viewWithScan } from "./bake.js";
 import { byId, download, freeDownloads } from "./dom.js";
 import { type Files, noScan, ofDrop, ofList, scansIn } from "./files.js";
-import { part } from "./parts.js";
+import { part, unpacked } from "./parts.js";
 import { Report, mainFigure, showProof } from "./proof.js";
 import { explain, hide, show } from "./show.js";
 import { Work } from "./work.js";
 import { count, size } from "./words.js";
 
-const EXAMPLE = "bronze.glb";
+/** The example, and the choices for it: the defaults are for larger scans. */
+const EXAMPLE = { name: "bronze.glb", choices: { triangles: "40000", size: "1024" } };
 
 const texts = {
     asset: "The asset under raking light. Drag to turn it; drag with Shift to move the light.",
@@ -33,14 +34,15 @@ function fail(error: unknown): void {
     failure.hidden = false;
 }
 
-/** Takes the files of a scan, and bakes it with the defaults. */
-function take(taken: Files): void {
+/** Takes the files of a scan, and bakes it with these choices, or else the defaults. */
+function take(taken: Files, choices: Record<string, string> = {}): void {
     stop.abort();
     [files, earlier] = [taken, []];
     const scans = scansIn(files);
     which.replaceChildren(...scans.map((path) => el("option", { value: path }, path)));
     byId("which").hidden = scans.length < 2;
     form.reset();
+    for (const [name, value] of Object.entries(choices)) (form.elements.namedItem(name) as HTMLInputElement).value = value;
     hide();
     byId("result").hidden = true;
     byId("choose").hidden = true;
@@ -145,6 +147,11 @@ function restart(): void {
     byId("pick-files").focus();
 }
 
+async function takeExample(): Promise<void> {
+    const { name, choices } = EXAMPLE;
+    take({ [name]: new Blob([await unpacked(await part("example"))]) }, choices);
+}
+
 function listen(): void {
     for (const name of ["files", "folder"]) {
         const input = byId<HTMLInputElement>(name);
@@ -155,7 +162,7 @@ function listen(): void {
             input.value = "";
         });
     }
-    byId("pick-example").addEventListener("click", async () => take({ [EXAMPLE]: new Blob([await part("example")]) }));
+    byId("pick-example").addEventListener("click", () => void takeExample().catch(fail));
     byId("restart").addEventListener("click", restart);
     byId("cancel").addEventListener("click", () => {
         stop.abort();
@@ -182,7 +189,7 @@ function listenToDrops(): void {
     addEventListener("drop", (event) => {
         event.preventDefault();
         root.classList.remove("dragging");
-        if (event.dataTransfer) void ofDrop(event.dataTransfer).then(take);
+        if (event.dataTransfer) void ofDrop(event.dataTransfer).then((dropped) => take(dropped)).catch(fail);
     });
 }
 

@@ -1,7 +1,7 @@
 // The report of a bake, as the program wrote it: its data, and the asset for the viewer.
 
 import { byId } from "./dom.js";
-import { decoded } from "./parts.js";
+import { decoded, unpacked } from "./parts.js";
 import { count, size } from "./words.js";
 
 /** The parts of a bake's JSON that the page shows next to the report's own words. */
@@ -17,17 +17,15 @@ export interface BakeReport {
 /** The bytes of a viewer's files by name. */
 export type ViewerFiles = Record<string, BlobPart>;
 
-async function unpacked(bytes: BlobPart): Promise<ArrayBuffer> {
-    return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
-}
-
 /** A report page, read but not run. */
 export class Report {
     private readonly document: Document;
     readonly page: ReportPage;
 
     constructor(html: Uint8Array<ArrayBuffer>) {
-        this.document = new DOMParser().parseFromString(new TextDecoder().decode(html), "text/html");
+        // The page's policy forbids the style, and the browser would report it.
+        const text = new TextDecoder().decode(html).replace(/<style>.*?<\/style>/s, "");
+        this.document = new DOMParser().parseFromString(text, "text/html");
         this.page = JSON.parse(this.text("data")) as ReportPage;
     }
 
