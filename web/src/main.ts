@@ -41,6 +41,8 @@ function take(taken: Files, choices: Record<string, string> = {}): void {
     const scans = scansIn(files);
     which.replaceChildren(...scans.map((path) => el("option", { value: path }, path)));
     byId("which").hidden = scans.length < 2;
+    byId("bake-title").textContent = scans.length === 1 ? scans[0]! : "The bake";
+    byId("start").textContent = "Bake";
     form.reset();
     for (const [name, value] of Object.entries(choices)) (form.elements.namedItem(name) as HTMLInputElement).value = value;
     hide();
