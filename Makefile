@@ -1,7 +1,7 @@
 # Commands for developers: `make` lists them. Nearly all of them run cargo.
 
 .DEFAULT_GOAL := help
-.PHONY: help test test-slow features campaign faults memory bench bench-bake bench-render bench-reference bench-scaling bench-check bench-store bench-fma bench-floor bench-gpu bench-sizes same-bytes brute-force bench-distances proofs-table bench-python bench-viewer docs errors asset-table tables shaders shader-errors security fuzz python wheel dist bless tools viewer site site-check site-links
+.PHONY: $(shell sed -n 's/^\([a-z-]*\):.*/\1/p' $(MAKEFILE_LIST))
 
 help: ## List these commands
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
@@ -217,6 +217,33 @@ viewer: viewer/node_modules/esbuild ## Check the types of the viewer's script an
 
 viewer/node_modules/esbuild: viewer/package-lock.json
 	$(INSTALL) viewer
+
+# These three need the command as WebAssembly: target/wasm/taotie.wasm, or TAOTIE_WASM=/path/to/taotie.wasm.
+npm: viewer npm/taotie-wasm/node_modules/esbuild ## Build the npm packages into target/npm
+	mkdir -p target/npm
+	for folder in viewer npm/taotie-wasm npm/taotie; do (cd $$folder && npm pack --silent --pack-destination $(CURDIR)/target/npm) || exit; done
+
+web: npm/taotie-wasm/node_modules/esbuild ## Build the page that bakes in the browser into target/web
+	npm/taotie-wasm/node_modules/.bin/tsc --noEmit --project web
+	node web/build.mjs
+
+npm/taotie-wasm/node_modules/esbuild: npm/taotie-wasm/package-lock.json
+	$(INSTALL) npm/taotie-wasm
+
+# TAOTIE is a release build of the same sources; without it, it is built.
+WASM = $(or $(TAOTIE_WASM),target/wasm/taotie.wasm)
+test-web: ## Test the npm package in Node and the page in Chromium and Firefox against the native program
+	@if test ! -f $(WASM); then echo "skipped: no $(WASM)"; else $(MAKE) --no-print-directory tested-web; fi
+
+.PHONY: tested-web
+tested-web: export TAOTIE := $(or $(TAOTIE),$(CURDIR)/target/release/taotie)
+tested-web: export FOLDER := $(CURDIR)/target/tmp/web
+tested-web: npm web
+	test -x $(TAOTIE) || cargo build --release -p taotie-cli
+	mkdir -p $(FOLDER)
+	node --test npm/taotie-wasm/test/package.test.mjs
+	cd tests/browser && BROWSER=$${BROWSER:-$$(command -v $(BROWSERS) | head -1)} node --test try.test.mjs
+	cd tests/browser && BROWSER=$$(command -v $(FIREFOX) | head -1) xvfb-run --auto-servernum node --test try.test.mjs
 
 shaders: ## Regenerate the shaders in docs/shaders
 	cargo run --release -p xtask -- shaders
