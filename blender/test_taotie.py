@@ -158,9 +158,27 @@ def test_verified_errors_agree_with_rays_of_blender(form):
     assert mean == pytest.approx(figure(form, "surface-mean-angle"), rel=0.05)
     # Errors of neighbours differ, so this fails if a map is mirrored or shifted.
     assert np.corrcoef(angles[known], attribute(shown.data)[known])[0, 1] > 0.9
+    drawn, limit = drawn_degrees(form, shown.data), json.loads(form.result)["top"]
+    centers = angles_by_rays(shown.data, form.high, POINTS[:1])
+    assert np.abs(drawn - np.minimum(centers, limit))[known].mean() < 0.5
 
 
-def angles_by_rays(mesh, high):
+def drawn_degrees(form, mesh):
+    """The errors at the centres of faces by the colours of the picture on it and of the legend."""
+    image = next(node.image for node in mesh.materials[0].node_tree.nodes if node.type == "TEX_IMAGE")
+    width, height = image.size
+    pixels = np.array(image.pixels[:]).reshape(height, width, 4)[..., :3]
+    stops = np.array([stop.color[:] for stop in form.stops])
+    fine = np.stack([np.interp(np.linspace(0, 8, 201), np.arange(9), stops[:, i]) for i in range(3)], axis=1)
+    found = []
+    for face in mesh.polygons:
+        u, v = np.mean([mesh.uv_layers["error"].data[i].uv for i in face.loop_indices], axis=0)
+        color = pixels[int(v * height) % height, int(u * width) % width]
+        found.append(np.argmin(((fine - color) ** 2).sum(1)) / 200 * json.loads(form.result)["top"])
+    return np.array(found)
+
+
+def angles_by_rays(mesh, high, points=None):
     """The angle between interpolated normals of both meshes, the mean of points of each triangle, degrees."""
     evaluated = high.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
     evaluated.calc_loop_triangles()
@@ -169,7 +187,7 @@ def angles_by_rays(mesh, high):
     angles = []
     for face in mesh.polygons:
         corners, own = [mesh.vertices[i].co for i in face.vertices], [mesh.corner_normals[i].vector for i in face.loop_indices]
-        found = [angle_at(tree, evaluated, normals, mixed(corners, at), mixed(own, at)) for at in POINTS]
+        found = [angle_at(tree, evaluated, normals, mixed(corners, at), mixed(own, at)) for at in points or POINTS]
         angles.append(np.mean(found))
     high.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh_clear()
     return np.array(angles)
@@ -291,10 +309,15 @@ def test_switch_shows_one_thing_at_a_time(form):
     def visible():
         return {thing.name for thing in bpy.context.view_layer.objects if not thing.hide_viewport}
 
+    views = [area.spaces.active.shading for screen in bpy.data.screens for area in screen.areas if area.type == "VIEW_3D"]
+    assert views
+    before = [(view.light, view.color_type) for view in views]
     assert form.show == "ASSET" and visible() == {"low one asset"}
     form.show = "ERROR"
     assert visible() == {"low one error"}
+    assert {(view.light, view.color_type) for view in views} == {("FLAT", "TEXTURE")}
     form.show = "ORIGINALS"
+    assert [(view.light, view.color_type) for view in views] == before
     assert visible() == {"Über scan", "low one"}
     assert form.low.hide_render and not form.high.hide_render
 
@@ -389,6 +412,20 @@ def test_meshes_far_apart_are_the_programs_error(form):
     bpy.context.view_layer.update()
     form.size = "256"
     refused("do not overlap", bpy.ops.taotie.bake)
+
+
+def test_a_finished_asset_is_kept_if_it_cannot_be_shown(form, tmp_path, monkeypatch):
+    form.high, form.low = scenes.pair()
+    form.size, form.output = "256", str(tmp_path / "asset.glb")
+
+    def fail(*_):
+        raise ValueError("the importer failed")
+
+    monkeypatch.setattr(module("work"), "show_errors", fail)
+    refused(f"the importer failed; the asset is complete: `{tmp_path}`", bpy.ops.taotie.bake)
+    assert (tmp_path / "asset.glb").is_file() and (tmp_path / "asset.report.json").is_file()
+    form.output = ""
+    refused("the importer failed", bpy.ops.taotie.bake)
 
 
 # --- Cancelling

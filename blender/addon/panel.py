@@ -80,10 +80,24 @@ def show(settings, context):
     sets = {"ORIGINALS": originals, "ASSET": list(asset), "ERROR": list(settings.mapped.objects) if settings.mapped else []}
     for thing in {thing for things in sets.values() for thing in things}:
         _set_hidden(thing, thing not in sets[settings.show])
-    for area in context.screen.areas if context.screen else []:
-        if area.type == "VIEW_3D":
-            shading = area.spaces.active.shading
-            shading.color_type = "TEXTURE" if settings.show == "ERROR" else "MATERIAL"
+    for screen in bpy.data.screens:
+        for area in screen.areas:
+            if area.type == "VIEW_3D":
+                _show_textures(area.spaces.active.shading, settings.show == "ERROR")
+
+
+# The light and colours of the solid views, by their addresses, while the switch shows errors.
+SHADINGS = {}
+
+
+def _show_textures(shading, wanted):
+    """Shows the colours of textures as they are in a solid view, or goes back to its own settings."""
+    address = shading.as_pointer()
+    if wanted:
+        SHADINGS.setdefault(address, (shading.light, shading.color_type))
+        shading.light, shading.color_type = "FLAT", "TEXTURE"
+    elif address in SHADINGS:
+        shading.light, shading.color_type = SHADINGS.pop(address)
 
 
 # The object's own settings while the switch hides it.
@@ -211,7 +225,7 @@ def request_of(context, fields, needs_low):
         raise Problem(f"high and low are the same object, `{settings.high.name}`: pick two")
     output = None
     if settings.output and not needs_low:
-        output = Path(bpy.path.abspath(settings.output)).with_suffix(".glb")
+        output = Path(bpy.path.abspath(settings.output)).resolve().with_suffix(".glb")
     command = program.command(context.preferences.addons[__package__].preferences)
     return work.Request(command, settings.high, settings.low, work.options_of(settings, fields), output)
 
@@ -292,7 +306,8 @@ def _draw_result(layout, settings, letters):
         box = layout.box()
         box.alert = True
         _draw_text(box, textwrap.wrap(warning, letters))
-    layout.operator("wm.url_open", text="Open the report").url = Path(result["page"]).as_uri()
+    if (page := Path(result["page"])).is_file():
+        layout.operator("wm.url_open", text="Open the report").url = page.as_uri()
 
 
 def _draw_text(box, lines):

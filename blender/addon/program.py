@@ -46,6 +46,7 @@ def run(arguments):
             stderr=subprocess.PIPE,
             encoding="utf-8",
             errors="replace",
+            creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),  # of Windows
         )
     except OSError as error:
         raise Problem(f"cannot start `{arguments[0]}`: {error.strerror or error}") from error

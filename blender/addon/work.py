@@ -69,7 +69,8 @@ def bake(context, request):
     """Bakes the high object, onto the low one if there is one; returns an `Outcome`."""
     with _folder() as folder:
         scan = yield from _export(context, request.high, folder / "scan")
-        asset = folder / f"{_file_name((request.low or request.high).name)}.glb"
+        asset = folder / "asset" / f"{_file_name(_shown(request))}.glb"
+        asset.parent.mkdir()
         low = []
         if request.low:
             low = ["--low", (yield from _export(context, request.low, folder / "low"))]
@@ -115,28 +116,44 @@ def _export(context, thing, folder):
 
 def _finish(context, request, files, is_new=True):
     scan, asset, page, printed = files
-    # Blender's importer cannot read packed geometry, and errors are laid out on UVs.
-    plain = asset.with_name("plain") / asset.name
-    plain.parent.mkdir()
-    glb = Glb(asset)
-    glb.save(plain)
-    mapped = plain.with_name("mapped.glb")
-    glb.unwrap()
-    glb.save(mapped)
-    folder = plain.parent / "view"
-    view = [*request.command, "--progress", "view", mapped, "--scan", scan, "--unit", "m", "--folder", folder]
-    yield from program.run(view)
-    yield "importing", 1.0
-    shown = (request.low or request.high).name
-    error = new_collection(context, f"{shown} error")
-    errors = show_errors(context, mapped, folder, error)
-    made = None
-    if is_new:
-        made = new_collection(context, f"{shown} asset")
-        load(context, plain, made)
+    kept = [page, page.with_suffix(".json"), asset]
+    try:
+        error, errors = yield from _measure(context, request, scan, asset)
+        made = None
+        if is_new:
+            made = new_collection(context, f"{_shown(request)} asset")
+            load(context, _plain(asset), made)
+    except Exception as problem:
+        if is_new and request.output:  # a bake may have taken hours
+            raise Problem(f"{problem}; the asset is complete: `{_keep(kept, request).parent}`") from problem
+        raise
     report = json.loads(page.with_suffix(".json").read_text(encoding="utf-8"))
-    page = _keep([page, page.with_suffix(".json"), asset], request)
-    return Outcome(figures_of(printed), report, page, made, error, errors.top, errors.stops)
+    return Outcome(figures_of(printed), report, _keep(kept, request), made, error, errors.top, errors.stops)
+
+
+def _shown(request):
+    return (request.low or request.high).name
+
+
+def _plain(asset):
+    return asset.with_name("plain.glb")
+
+
+def _measure(context, request, scan, asset):
+    """Shows the error of an asset on its surface; returns the new collection and the errors.
+
+    Blender's importer cannot read packed geometry, so `_plain(asset)` is without. Errors are laid out on UVs.
+    """
+    glb = Glb(asset)
+    glb.save(_plain(asset))
+    glb.unwrap()
+    mapped, folder = asset.with_name("mapped.glb"), asset.with_name("view")
+    glb.save(mapped)
+    view = ["view", mapped, "--scan", scan, "--unit", "m", "--folder", folder]
+    yield from program.run([*request.command, "--progress", *view])
+    yield "importing", 1.0
+    collection = new_collection(context, f"{_shown(request)} error")
+    return collection, show_errors(context, mapped, folder, collection)
 
 
 def _keep(files, request):
