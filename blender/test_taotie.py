@@ -373,6 +373,7 @@ def refused(message, operator):
     assert not left_behind()
     assert [scene.name for scene in bpy.data.scenes] == ["Scene"]
     assert operator.poll()
+    assert not [thing.name for thing in (*bpy.data.objects, *bpy.data.collections) if thing.name.endswith(("asset", "error"))]
 
 
 def test_problems_are_messages(form):
@@ -426,6 +427,23 @@ def test_a_finished_asset_is_kept_if_it_cannot_be_shown(form, tmp_path, monkeypa
     assert (tmp_path / "asset.glb").is_file() and (tmp_path / "asset.report.json").is_file()
     form.output = ""
     refused("the importer failed", bpy.ops.taotie.bake)
+
+
+def test_packed_levels_of_detail_show_the_finest(form):
+    form.high, _ = scenes.pair()
+    form.triangles, form.size, form.options = "1000", "256", f"{form.options} --lods 300,100 --meshopt --images webp:80"
+    assert bpy.ops.taotie.bake() == {"FINISHED"}
+    assert [len(thing.data.polygons) for thing in (*form.made.objects, *form.mapped.objects)] == [1000, 1000]
+    figures_agree(form, MAPPED)
+
+
+def test_formats_unknown_to_blender_are_messages(form):
+    form.high, _ = scenes.pair()
+    form.triangles, form.size, fast = "1000", "256", form.options
+    form.options = f"{fast} --images ktx2"
+    refused("KHR_texture_basisu", bpy.ops.taotie.bake)
+    form.options = f"{fast} --codecs web-latest --meshopt"
+    refused("cannot import KHR_meshopt_compression into Blender", bpy.ops.taotie.bake)
 
 
 # --- Cancelling

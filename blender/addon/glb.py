@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from . import meshopt
+from .problem import Problem
 
 VERTEX, TRIANGLES, FLOAT = 34962, 4, 5126
 NUMBERS = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
@@ -38,13 +39,26 @@ class Glb:
         Path(path).write_bytes(struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks)
 
     def nodes(self):
-        """Yields the nodes with meshes in the order in which the program reads them: parents before children."""
+        """Returns the nodes with meshes in the order in which the program reads them: parents before children."""
+        return [node for number in self._shown() if "mesh" in (node := self.json["nodes"][number])]
+
+    def _shown(self):
         waiting = list(reversed(self.json["scenes"][self.json.get("scene", 0)]["nodes"]))
         while waiting:
-            node = self.json["nodes"][waiting.pop()]
-            waiting.extend(reversed(node.get("children", [])))
-            if "mesh" in node:
-                yield node
+            yield (number := waiting.pop())
+            waiting.extend(reversed(self.json["nodes"][number].get("children", [])))
+
+    def keep_shown(self):
+        """Drops nodes outside the scene, such as coarser levels of detail, which Blender would show too."""
+        shown = list(self._shown())
+        numbers = {node: number for number, node in enumerate(shown)}
+        self.json["nodes"] = [self.json["nodes"][node] for node in shown]
+        for node in self.json["nodes"]:
+            node.get("extensions", {}).pop("MSFT_lod", None)
+        for parent in (*self.json["nodes"], *self.json["scenes"]):
+            for name in ("children", "nodes"):
+                if name in parent:
+                    parent[name] = [numbers[child] for child in parent[name] if child in numbers]
 
     def primitives(self, node):
         return self.json["meshes"][node["mesh"]]["primitives"]
@@ -94,7 +108,10 @@ class Glb:
 
 
 def _view_bytes(view, body):
-    packed = view.pop("extensions", {}).get(meshopt.NAME)
+    extensions = view.pop("extensions", {})
+    packed = extensions.pop(meshopt.NAME, None)
+    if extensions:
+        raise Problem(f"cannot import {', '.join(extensions)} into Blender: omit the option that asks for it")
     where = packed or view
     start = where.get("byteOffset", 0)
     data = body[start : start + where["byteLength"]]

@@ -138,7 +138,14 @@ def load(context, path, collection):
     return meshes
 
 
+@contextlib.contextmanager
 def new_collection(context, name):
+    """A collection in the scene, which is removed with its objects if the work on it fails."""
+    known = set(bpy.data.objects)
     collection = bpy.data.collections.new(name)
     context.scene.collection.children.link(collection)
-    return collection
+    try:
+        yield collection
+    except BaseException:
+        bpy.data.batch_remove([*(thing for thing in bpy.data.objects if thing not in known), collection])
+        raise

@@ -11,7 +11,7 @@ from bpy.props import CollectionProperty, EnumProperty, FloatVectorProperty, Poi
 from . import program, work
 from .errors import remove
 from .objects import parts_of
-from .problem import Problem
+from .problem import Problem, text_of
 
 # Seconds between looks at the running program.
 STEP_S = 0.1
@@ -184,7 +184,7 @@ class Runs:
             self.say(end.value)
         except Exception as problem:  # Blender's exporter and importer raise all kinds
             Runs.running = None
-            self.report({"ERROR"}, str(problem) or type(problem).__name__)
+            self.report({"ERROR"}, text_of(problem))
             return {"CANCELLED"}
         else:
             if getattr(self, "timer", None):

@@ -15,7 +15,7 @@ from . import program
 from .errors import show_errors
 from .glb import Glb
 from .objects import export, load, new_collection
-from .problem import Problem
+from .problem import Problem, text_of
 
 # Options of `taotie bake` with a field in the panel. Empty fields are not passed on, so defaults are the program's.
 FIELDS = ("triangles", "error", "size", "require")
@@ -121,11 +121,11 @@ def _finish(context, request, files, is_new=True):
         error, errors = yield from _measure(context, request, scan, asset)
         made = None
         if is_new:
-            made = new_collection(context, f"{_shown(request)} asset")
-            load(context, _plain(asset), made)
+            with new_collection(context, f"{_shown(request)} asset") as made:
+                load(context, _plain(asset), made)
     except Exception as problem:
         if is_new and request.output:  # a bake may have taken hours
-            raise Problem(f"{problem}; the asset is complete: `{_keep(kept, request).parent}`") from problem
+            raise Problem(f"{text_of(problem)}; the asset is complete: `{_keep(kept, request).parent}`") from problem
         raise
     report = json.loads(page.with_suffix(".json").read_text(encoding="utf-8"))
     return Outcome(figures_of(printed), report, _keep(kept, request), made, error, errors.top, errors.stops)
@@ -145,6 +145,7 @@ def _measure(context, request, scan, asset):
     Blender's importer cannot read packed geometry, so `_plain(asset)` is without. Errors are laid out on UVs.
     """
     glb = Glb(asset)
+    glb.keep_shown()
     glb.save(_plain(asset))
     glb.unwrap()
     mapped, folder = asset.with_name("mapped.glb"), asset.with_name("view")
@@ -152,8 +153,8 @@ def _measure(context, request, scan, asset):
     view = ["view", mapped, "--scan", scan, "--unit", "m", "--folder", folder]
     yield from program.run([*request.command, "--progress", *view])
     yield "importing", 1.0
-    collection = new_collection(context, f"{_shown(request)} error")
-    return collection, show_errors(context, mapped, folder, collection)
+    with new_collection(context, f"{_shown(request)} error") as collection:
+        return collection, show_errors(context, mapped, folder, collection)
 
 
 def _keep(files, request):
