@@ -203,6 +203,17 @@ docs: ## Regenerate docs/help, and the tables and images of docs/as-printed.md
 errors: ## Measure every approximation again for docs/errors.md; ENVIRONMENTS=FOLDER also under its .hdr and .exr files
 	cargo run --release -p xtask -- errors $(if $(ENVIRONMENTS),--environments $(ENVIRONMENTS))
 
+# The tests need 400 MB for Blender, which is a Python package for Python 3.11; with another version they are skipped.
+# TAOTIE=/path/to/taotie is the program of the tests instead of a new one.
+BLENDER = target/blender
+blender: ## Pack the add-on for Blender into target/blender, and test it in Blender
+	$(if $(TAOTIE),,cargo build --release -p taotie-cli)
+	$(PYTHON) blender/pack.py $(BLENDER)/taotie-blender.zip
+	TAOTIE=$(or $(TAOTIE),$(CURDIR)/target/release/taotie) sh blender/test.sh $(PYTHON) $(BLENDER)/venv
+
+blender-picture: blender ## Render the picture of docs/blender.md
+	$(BLENDER)/venv/bin/python blender/picture.py $(or $(TAOTIE),target/release/taotie) $(BLENDER)/taotie-blender.zip docs/images/blender.png
+
 # The models are those of the tests; MODELS lists other folders, TAOTIE another program.
 MODELS = $(wildcard $(addprefix $(or $(TAOTIE_DATA),../shared/data)/,khronos-gltf-sample-assets polyhaven-models materialx gltf-asset-generator))
 asset-table: ## Bake every shared glTF model, for docs/assets-table.md; MODELS="FOLDER ..." others
