@@ -26,7 +26,7 @@ export class Work {
         byId<HTMLProgressElement>("progress").removeAttribute("value");
     }
 
-    readonly hear = ({ stage, fraction, left }: Progress): void => {
+    readonly hear = ({ stage, done: fraction, left_s: left }: Progress): void => {
         if (stage !== this.stage) [this.stage, this.stageStart, this.shown] = [stage, performance.now(), left === null ? 0 : this.shown];
         const elapsed = (performance.now() - (left === null ? this.stageStart : this.start)) / 1e3;
         const rest = left ?? (fraction > LEAST ? (elapsed * (1 - fraction)) / fraction : null);

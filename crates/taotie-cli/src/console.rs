@@ -210,7 +210,7 @@ pub struct ProgressLine {
     pub stage: String,
     /// Completed fraction of the stage, in [0, 1].
     pub done: f64,
-    /// Estimated seconds left, of the whole work if it has several stages.
+    /// Estimated seconds left of the whole work, if known.
     pub left_s: Option<f64>,
 }
 
@@ -234,7 +234,7 @@ impl Bar {
     /// Shows the fraction done of this stage, and the time left for the whole work, if known.
     pub fn show(&self, fraction: f64, whole: Option<Duration>) {
         if PROGRESS_LINES.load(Ordering::Relaxed) {
-            return self.write_line(fraction, whole.or_else(|| self.left(fraction)));
+            return self.write_line(fraction, whole);
         }
         if is_quiet() || self.start.elapsed() < Duration::from_secs(1) {
             return;
@@ -282,12 +282,6 @@ impl Bar {
             let text = serde_json::to_string(&line).unwrap_or_default();
             let _ = writeln!(io::stderr().lock(), "{text}");
         }
-    }
-
-    /// Estimates the time left of the stage.
-    fn left(&self, done: f64) -> Option<Duration> {
-        const LEAST: f64 = 0.02;
-        (done >= LEAST).then(|| self.start.elapsed().mul_f64((1.0 - done).max(0.0) / done))
     }
 
     fn new_bar(&self) -> ProgressBar {

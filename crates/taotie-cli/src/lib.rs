@@ -48,7 +48,7 @@ struct Cli {
     #[arg(short, long, global = true)]
     quiet: bool,
     /// Print progress to stderr as JSON lines, for programs: stage, fraction done, seconds left if known
-    #[arg(long, global = true, conflicts_with = "quiet")]
+    #[arg(long, global = true)]
     progress: bool,
 }
 

@@ -3,7 +3,7 @@
 import { ConsoleStdout, File, OpenFile, PreopenDirectory, WASI, wasi as definitions } from "@bjorn3/browser_wasi_shim";
 import { type Bytes, changedFiles, folderOf } from "./folders.js";
 import { importsOf } from "./imports.js";
-import { ENVIRONMENT, Lines, type Progress, progressOf } from "./lines.js";
+import { Lines, OPTION, type Progress, progressOf } from "./lines.js";
 
 /** A run of the command. */
 export interface Job {
@@ -57,10 +57,10 @@ export async function run({ module, args, files }: Job, send: (progress: Progres
         else messages.push(line);
     });
     const output = (lines: Lines) => new Stream((bytes) => lines.add(bytes));
-    const named = ["taotie", ...args];
+    const named = ["taotie", OPTION, ...args];
     // Relative and absolute paths are the same.
     const folders = [".", "/"].map((name) => new PreopenDirectory(name, folder));
-    const wasi = new WASI(named, [ENVIRONMENT], [new OpenFile(new File([])), output(stdout), output(stderr), ...folders], { debug: false });
+    const wasi = new WASI(named, [], [new OpenFile(new File([])), output(stdout), output(stderr), ...folders], { debug: false });
     const instance = await WebAssembly.instantiate(module, { wasi_snapshot_preview1: importsOf(wasi) });
     const outcome = start(wasi, instance);
     stdout.end();

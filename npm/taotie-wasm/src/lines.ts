@@ -5,13 +5,13 @@ export interface Progress {
     /** The stage, in words: `simplify`. */
     stage: string;
     /** The fraction of the stage that is done, in [0, 1]. */
-    fraction: number;
+    done: number;
     /** Seconds left for the whole work; `null` while that is unknown. */
-    left: number | null;
+    left_s: number | null;
 }
 
-/** The environment with which the command writes progress as lines of JSON. */
-export const ENVIRONMENT = "TAOTIE_PROGRESS=json";
+/** The option with which the command writes progress as lines of JSON. */
+export const OPTION = "--progress";
 
 /** Returns the progress that a line of stderr states; undefined if it is a message. */
 export function progressOf(line: string): Progress | undefined {

@@ -29,8 +29,8 @@ test("a bake in memory is that of the native program, and reports its progress",
     assert.deepEqual(timeless(stdout), timeless(JSON.parse(expected.stdout)));
     assert(withoutTimes(Buffer.from(made["asset.report.html"])) === withoutTimes(page), "the report differs");
     assert(heard.length > 10, `${heard.length} reports of progress`);
-    assert(heard.every(({ stage, fraction, left }) => stage && fraction >= 0 && fraction <= 1 && (left === null || left >= 0)));
-    assert(heard.some(({ left }) => left !== null), "no time left");
+    assert(heard.every(({ stage, done, left_s: left }) => stage && done >= 0 && done <= 1 && (left === null || left >= 0)));
+    assert(heard.some(({ left_s: left }) => left !== null), "no time left");
 });
 
 /** A report page without the milliseconds of its stages. */
