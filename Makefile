@@ -229,7 +229,7 @@ viewer: viewer/node_modules/esbuild ## Check the types of the viewer's script an
 viewer/node_modules/esbuild: viewer/package-lock.json
 	$(INSTALL) viewer
 
-# These three need the command as WebAssembly: target/wasm/taotie.wasm, or TAOTIE_WASM=/path/to/taotie.wasm.
+# These three need the command as WebAssembly: that of `make wasm`, or TAOTIE_WASM=/path/to/taotie.wasm.
 npm: viewer npm/taotie-wasm/node_modules/esbuild ## Build the npm packages into target/npm
 	mkdir -p target/npm
 	for folder in viewer npm/taotie-wasm npm/taotie; do (cd $$folder && npm pack --silent --pack-destination $(CURDIR)/target/npm) || exit; done
@@ -294,6 +294,9 @@ wheel: $(PYTHON_VENV)/ready ## Build a wheel for this machine into target/wheels
 DIST_VENV = target/dist-build/venv
 dist: $(DIST_VENV)/ready ## Build programs and wheels for others into target/dist, for this machine or TARGETS: docs/install.md
 	$(DIST_VENV)/bin/python dist/build.py $(TARGETS)
+
+wasm: $(DIST_VENV)/ready ## Build the command for WebAssembly into target/wasm
+	$(DIST_VENV)/bin/python dist/wasm.py
 
 $(DIST_VENV)/ready: dist/requirements.txt
 	$(PYTHON) -m venv $(DIST_VENV)
