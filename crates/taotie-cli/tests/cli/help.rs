@@ -82,7 +82,8 @@ fn every_subcommand_has_a_manual_page() {
     let output = place.taotie("man-pages man").assert().success().stderr_eq("").get_output().clone();
     let help = place.taotie("--help").output().expect("the command runs").stdout;
     let help = String::from_utf8_lossy(&help).into_owned();
-    let commands = help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
+    let commands =
+        help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
     let names = commands.filter_map(|line| Some(format!("taotie-{}.1", line.split_whitespace().next()?)));
     let mut expected: Vec<String> = names.chain([String::from("taotie.1")]).collect();
     expected.sort();
