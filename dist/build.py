@@ -9,6 +9,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import shutil
 from pathlib import Path
 
@@ -31,6 +32,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("targets", nargs="*", metavar="TARGET", help="a target triple, or all [default: that of this machine]")
     chosen = targets.chosen(parser.parse_args().targets)
+    # Wheels record the permissions of files.
+    os.umask(0o022)
     shutil.rmtree(place.OUTPUT, ignore_errors=True)
     place.OUTPUT.mkdir(parents=True)
     toolchain.add_targets({target.triple for target in chosen} | {wheel.triple for target in chosen for wheel in target.wheels})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import sys
 import tempfile
@@ -11,8 +12,8 @@ import place
 import toolchain
 from targets import MANYLINUX, MUSLLINUX, Wheel
 
-# What auditwheel calls the platforms, or better ones.
-AUDITED = {MANYLINUX: ("manylinux_2_17_",), MUSLLINUX: ("musllinux_1_2_",)}
+# The newest C library that a wheel of each platform may need.
+NEWEST = {MANYLINUX: ("manylinux", 2, 17), MUSLLINUX: ("musllinux", 1, 2)}
 
 
 def build(wheel: Wheel, third_party: bytes) -> None:
@@ -25,7 +26,7 @@ def build(wheel: Wheel, third_party: bytes) -> None:
         (built,) = Path(folder).glob("*.whl")
         finished = with_licences(built, third_party)
     if wheel.platform:
-        audit(finished, wheel.platform)
+        audit(finished, NEWEST[wheel.platform])
 
 
 def with_licences(built: Path, third_party: bytes) -> Path:
@@ -42,16 +43,24 @@ def with_licences(built: Path, third_party: bytes) -> Path:
         if first not in text:
             raise SystemExit(f"make dist: {built.name}: METADATA lacks `{first.strip()}`: correct dist/wheels.py")
         facts.write_text(text.replace(first, f"{first}License-File: THIRD-PARTY.html\n", 1), encoding="utf-8", newline="\n")
-        toolchain.run([sys.executable, "-m", "wheel", "pack", "--dest-dir", str(place.OUTPUT), str(unpacked)], environment)
-    return place.OUTPUT / built.name
+        # Packed alone: the tool sorts the platforms in the name.
+        toolchain.run([sys.executable, "-m", "wheel", "pack", "--dest-dir", folder, str(unpacked)], environment)
+        (packed,) = Path(folder).glob("*.whl")
+        return Path(shutil.move(packed, place.OUTPUT / packed.name))
 
 
-def audit(wheel: Path, expected: str) -> None:
-    """Check with auditwheel that a wheel for Linux needs no more than its name states."""
+def audit(wheel: Path, newest: tuple[str, int, int]) -> None:
+    """Check with auditwheel that a wheel for Linux needs no newer C library than its name states."""
     report = toolchain.output([toolchain.tool("auditwheel"), "show", wheel])
     print(report, flush=True)
-    if not any(name in report.split("platform tag:")[-1] for name in AUDITED[expected]):
-        raise SystemExit(f"make dist: {wheel.name}: auditwheel finds that it needs more than {expected}, see above")
+    if not fits(report, newest):
+        raise SystemExit(f"make dist: {wheel.name}: auditwheel finds that it needs more than its name states, see above")
+
+
+def fits(report: str, newest: tuple[str, int, int]) -> bool:
+    """Return whether the platform in a report of auditwheel is a given one, or an older one of its kind."""
+    found = re.search(r'platform\s+tag:\s+"(\w+linux)_(\d+)_(\d+)_', report)
+    return found is not None and found[1] == newest[0] and (int(found[2]), int(found[3])) <= newest[1:]
 
 
 def source() -> Path:

@@ -25,6 +25,7 @@ import packages  # noqa: E402
 import place  # noqa: E402
 import sums  # noqa: E402
 import targets  # noqa: E402
+import wheels  # noqa: E402
 
 DATE = 1_700_000_000
 CONTENT = {"taotie": b"program" * 1000, "man/taotie.1": b".TH", "LICENSE-MIT": b"MIT"}
@@ -81,6 +82,12 @@ def test_archives_are_complete(tmp_path: Path, program: Path, monkeypatch: pytes
         assert path.name == f"{folder}.tar.gz"
         with tarfile.open(path) as tar:
             assert set(tar.getnames()) == {f"{folder}/{name}" for name in files | {"taotie"}}
+
+
+@pytest.mark.parametrize(("tag", "fits"), [("manylinux_2_17", True), ("manylinux_2_5", True), ("manylinux_2_28", False), ("musllinux_1_2", False), ("linux", False)])
+def test_wheels_need_no_newer_library_than_they_state(tag: str, fits: bool) -> None:
+    report = f'taotie.whl is consistent\nwith the following platform tag: "{tag}_x86_64".\n'
+    assert wheels.fits(report, wheels.NEWEST[targets.MANYLINUX]) == fits
 
 
 def test_checksums_are_those_of_all_files(tmp_path: Path) -> None:

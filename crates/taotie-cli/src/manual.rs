@@ -41,11 +41,20 @@ fn page(man: &Man, command: &Command) -> Result<Vec<u8>> {
     man.render(&mut page)?;
     let Some(examples) = command.get_before_help() else { return Ok(page) };
     let mut roff = Roff::new();
-    roff.control("SH", ["EXAMPLES"]).control("nf", []);
-    for line in examples.to_string().lines().skip_while(|line| *line == "Examples:") {
-        roff.text([roman(line)]);
+    roff.control("SH", ["EXAMPLES"]);
+    for block in examples.to_string().trim_start_matches("Examples:\n").split("\n\n") {
+        roff.control("PP", []);
+        // Commands are indented; what follows them is text.
+        if !block.starts_with(' ') {
+            roff.text([roman(block.trim())]);
+            continue;
+        }
+        roff.control("nf", []);
+        for line in block.lines() {
+            roff.text([roman(line)]);
+        }
+        roff.control("fi", []);
     }
-    roff.control("fi", []);
     roff.to_writer(&mut page)?;
     Ok(page)
 }
