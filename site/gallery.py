@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import lamp
+import numpy as np
 from PIL import Image as Picture
 from program import Program
 
@@ -205,6 +206,8 @@ def small(file: Path, to: Path) -> None:
     to.parent.mkdir(exist_ok=True)
     with Picture.open(file) as image:
         side = 480 if image.width <= 1.5 * image.height else 1280
+        if image.mode.startswith("I"):
+            image = Picture.fromarray((np.asarray(image) // 257).astype(np.uint8))
         picture = image.convert("RGBA" if "A" in image.getbands() else "RGB")
         picture.thumbnail((side, side))
         picture.save(to, quality=85, method=4)

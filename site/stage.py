@@ -69,7 +69,8 @@ def program_pages(source: Path, program: Program | None) -> None:
     """Write the gallery, its pictures, and the page of the front page's frame."""
     extra = SITE / "extra"
     if program is None:
-        shutil.rmtree(source / "pictures", ignore_errors=True)
+        for folder in (source / "pictures", extra):
+            shutil.rmtree(folder, ignore_errors=True)
     else:
         gallery.prepare(program)
         extra.mkdir(exist_ok=True)
