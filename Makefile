@@ -1,7 +1,7 @@
 # Commands for developers: `make` lists them. Nearly all of them run cargo.
 
 .DEFAULT_GOAL := help
-.PHONY: help test test-slow features campaign faults memory bench bench-bake bench-render bench-reference bench-scaling bench-check bench-store bench-fma bench-floor bench-gpu bench-sizes same-bytes brute-force bench-distances proofs-table bench-python bench-viewer docs errors asset-table tables shaders shader-errors security fuzz python wheel bless tools viewer site site-check site-links site-tutorials
+.PHONY: $(shell sed -n 's/^\([a-z-]*\):.*/\1/p' $(MAKEFILE_LIST))
 
 help: ## List these commands
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
@@ -11,15 +11,18 @@ help: ## List these commands
 QUICK = architecture comparison fuzz images io memory memory_of_documents options oracle pixel recorded render shaders translation turntable
 SLOW = batch browser cli features jue laws models python webgl workflow
 
+# Released programs have these features.
+RELEASED = --features taotie-cli/mcp
+
 test: tools ## Check formatting and run the quick tests
 	cargo fmt --all --check
-	cargo test --workspace --lib --bins $(addprefix --test ,$(QUICK))
+	cargo test --workspace $(RELEASED) --lib --bins $(addprefix --test ,$(QUICK))
 
 test-slow: tools ## Check lints, documentation and features, and run the other tests: with `make test`, all that CI runs
-	cargo clippy --workspace --all-targets -- -D warnings
+	cargo clippy --workspace $(RELEASED) --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --no-deps --workspace
-	cargo test --workspace $(addprefix --test ,$(SLOW))
-	cargo test --workspace --doc
+	cargo test --workspace $(RELEASED) $(addprefix --test ,$(SLOW))
+	cargo test --workspace $(RELEASED) --doc
 	$(MAKE) features
 	@if $(MAKE) --no-print-directory $(SITE)/venv/ready; then $(MAKE) --no-print-directory site-check; else \
 	echo "Install Python 3.10 or later with venv: without Sphinx the pages are not checked." >&2; test "$$CI" != true; fi
@@ -207,6 +210,17 @@ docs: ## Regenerate docs/help, and the tables and images of docs/as-printed.md
 errors: ## Measure every approximation again for docs/errors.md; ENVIRONMENTS=FOLDER also under its .hdr and .exr files
 	cargo run --release -p xtask -- errors $(if $(ENVIRONMENTS),--environments $(ENVIRONMENTS))
 
+# The tests need 400 MB for Blender, which is a Python package for Python 3.11; with another version they are skipped.
+# TAOTIE=/path/to/taotie is the program of the tests instead of a new one.
+BLENDER = target/blender
+blender: ## Pack the add-on for Blender into target/blender, and test it in Blender
+	$(if $(TAOTIE),,cargo build --release -p taotie-cli)
+	$(PYTHON) blender/pack.py $(BLENDER)/taotie-blender.zip
+	TAOTIE=$(or $(TAOTIE),$(CURDIR)/target/release/taotie) sh blender/test.sh $(PYTHON) $(BLENDER)/venv
+
+blender-picture: blender ## Render the picture of docs/blender.md
+	$(BLENDER)/venv/bin/python blender/picture.py $(or $(TAOTIE),target/release/taotie) $(BLENDER)/taotie-blender.zip docs/images/blender.png
+
 # The models are those of the tests; MODELS lists other folders, TAOTIE another program.
 MODELS = $(wildcard $(addprefix $(or $(TAOTIE_DATA),../shared/data)/,khronos-gltf-sample-assets polyhaven-models materialx gltf-asset-generator))
 asset-table: ## Bake every shared glTF model, for docs/assets-table.md; MODELS="FOLDER ..." others
@@ -221,6 +235,33 @@ viewer: viewer/node_modules/esbuild ## Check the types of the viewer's script an
 
 viewer/node_modules/esbuild: viewer/package-lock.json
 	$(INSTALL) viewer
+
+# These three need the command as WebAssembly: that of `make wasm`, or TAOTIE_WASM=/path/to/taotie.wasm.
+npm: viewer npm/taotie-wasm/node_modules/esbuild ## Build the npm packages into target/npm
+	mkdir -p target/npm
+	for folder in viewer npm/taotie-wasm npm/taotie; do (cd $$folder && npm pack --silent --pack-destination $(CURDIR)/target/npm) || exit; done
+
+web: npm/taotie-wasm/node_modules/esbuild ## Build the page that bakes in the browser into target/web
+	npm/taotie-wasm/node_modules/.bin/tsc --noEmit --project web
+	node web/build.mjs
+
+npm/taotie-wasm/node_modules/esbuild: npm/taotie-wasm/package-lock.json
+	$(INSTALL) npm/taotie-wasm
+
+# TAOTIE is a release build of the same sources; without it, it is built.
+WASM = $(or $(TAOTIE_WASM),target/wasm/taotie.wasm)
+test-web: ## Test the npm package in Node and the page in Chromium and Firefox against the native program
+	@if test ! -f $(WASM); then echo "skipped: no $(WASM)"; else $(MAKE) --no-print-directory tested-web; fi
+
+.PHONY: tested-web
+tested-web: export TAOTIE := $(or $(TAOTIE),$(CURDIR)/target/release/taotie)
+tested-web: export FOLDER := $(CURDIR)/target/tmp/web
+tested-web: npm web
+	test -x $(TAOTIE) || cargo build --release -p taotie-cli
+	mkdir -p $(FOLDER)
+	node --test npm/taotie-wasm/test/package.test.mjs
+	cd tests/browser && BROWSER=$${BROWSER:-$$(command -v $(BROWSERS) | head -1)} node --test try.test.mjs
+	cd tests/browser && BROWSER=$$(command -v $(FIREFOX) | head -1) xvfb-run --auto-servernum node --test try.test.mjs
 
 shaders: ## Regenerate the shaders in docs/shaders
 	cargo run --release -p xtask -- shaders
@@ -254,6 +295,20 @@ $(PYTHON_VENV)/ready: python/requirements.txt python/tests/requirements.txt
 
 wheel: $(PYTHON_VENV)/ready ## Build a wheel for this machine into target/wheels
 	$(PYTHON_VENV)/bin/maturin build --release
+
+# TARGETS lists triples, or is `all`; what cannot be linked here is only checked. The date of all files is SOURCE_DATE_EPOCH
+# or that of the commit: two builds of a commit are equal.
+DIST_VENV = target/dist-build/venv
+dist: $(DIST_VENV)/ready ## Build programs and wheels for others into target/dist, for this machine or TARGETS: docs/install.md
+	$(DIST_VENV)/bin/python dist/build.py $(TARGETS)
+
+wasm: $(DIST_VENV)/ready ## Build the command for WebAssembly into target/wasm
+	$(DIST_VENV)/bin/python dist/wasm.py
+
+$(DIST_VENV)/ready: dist/requirements.txt
+	$(PYTHON) -m venv $(DIST_VENV)
+	$(DIST_VENV)/bin/pip install --quiet --requirement $<
+	touch $@
 
 # MODEL is a PLY scan. Each package gets a separate environment below target/bench-python, several gigabytes in total.
 bench-python: wheel ## Time the first image of a scan by Taotie and other Python packages, for docs/python.md; MODEL=scan.ply

@@ -1,14 +1,18 @@
 //! The output of the command: results on stdout, messages and progress on stderr.
 
+#[cfg(feature = "mcp")]
+use crate::lines::{self, Line};
 use anyhow::Result;
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::io::{self, Write};
 use std::path::Path;
 use std::sync::OnceLock;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 use taotie_engine::Warnings;
+use taotie_report::View;
 
 /// Writes a result line to stdout, replacing control characters, which may come from files and their names, except
 /// line ends.
@@ -57,6 +61,14 @@ fn is_quiet() -> bool {
     QUIET.load(Ordering::Relaxed)
 }
 
+/// Set if progress is written for programs. Global, because stderr is.
+static PROGRESS_LINES: AtomicBool = AtomicBool::new(false);
+
+/// Writes progress as JSON lines, or shows it as bars.
+pub fn set_progress_lines(lines: bool) {
+    PROGRESS_LINES.store(lines, Ordering::Relaxed);
+}
+
 /// Writes a message to stderr, unless the user wants none. A closed stderr is not an error.
 pub fn say(line: &str) {
     if !is_quiet() {
@@ -66,6 +78,10 @@ pub fn say(line: &str) {
 
 /// Writes an error to stderr, replacing control characters except line ends. A closed stderr is not an error.
 pub fn complain(line: &str) {
+    #[cfg(feature = "mcp")]
+    if lines::are_wanted() {
+        return lines::send(&Line::Message(plain_lines(line).into_owned()));
+    }
     let _ = writeln!(io::stderr().lock(), "{}", plain_lines(line));
 }
 
@@ -107,6 +123,42 @@ impl Drop for SilencedStderr {
     }
 }
 
+/// Writes a report to stdout, as JSON or as text.
+pub fn report<T: Serialize>(is_json: bool, report: &T, text: impl FnOnce(&T) -> String) -> Result<()> {
+    #[cfg(feature = "mcp")]
+    if lines::are_wanted() {
+        lines::send(&Line::Text(plain_lines(&text(report)).into_owned()));
+        return result(&serde_json::to_string(report)?);
+    }
+    match is_json {
+        true => result(&serde_json::to_string_pretty(report)?),
+        false => result(&text(report)),
+    }
+}
+
+/// Returns true if the program that runs this command shows pictures of the result.
+pub fn shows_pictures() -> bool {
+    #[cfg(feature = "mcp")]
+    return lines::are_wanted();
+    #[cfg(not(feature = "mcp"))]
+    false
+}
+
+/// Sends pictures of a report page to the program that runs this command.
+#[cfg_attr(not(feature = "mcp"), expect(unused_variables, reason = "nothing shows them"))]
+pub fn show(views: &[View]) {
+    #[cfg(feature = "mcp")]
+    lines::show(views);
+}
+
+/// Sends a PNG file likewise.
+#[cfg_attr(not(feature = "mcp"), expect(unused_variables, reason = "nothing shows it"))]
+pub fn show_file(path: &Path) -> Result<()> {
+    #[cfg(feature = "mcp")]
+    lines::show_file(path)?;
+    Ok(())
+}
+
 /// Writes each kind of warning with its count to stderr.
 pub fn say_warnings(warnings: &Warnings) {
     for (what, count) in warnings.iter() {
@@ -142,12 +194,28 @@ fn io_error<'e>(error: &'e (dyn std::error::Error + 'static)) -> Option<&'e io::
     }
 }
 
-/// A progress bar that appears on a terminal once the work has taken a second.
+/// A progress bar that appears on a terminal once the work has taken a second; lines of JSON if programs read them.
 pub struct Bar {
     title: String,
     start: Instant,
     bar: OnceLock<ProgressBar>,
+    /// The time of the latest line, in milliseconds since the start.
+    line: AtomicU64,
 }
+
+/// A line of progress for programs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ProgressLine {
+    /// The running stage.
+    pub stage: String,
+    /// Completed fraction of the stage, in [0, 1].
+    pub done: f64,
+    /// Estimated seconds left of the whole work, if known.
+    pub left_s: Option<f64>,
+}
+
+/// Milliseconds between lines of progress.
+const LINE_MS: u64 = 100;
 
 /// The bar's length: progress is in thousandths.
 const STEPS: u64 = 1000;
@@ -155,7 +223,7 @@ const STEPS: u64 = 1000;
 impl Bar {
     /// Creates a bar that is not shown yet.
     pub fn new(title: impl Into<String>) -> Self {
-        Self { title: title.into(), start: Instant::now(), bar: OnceLock::new() }
+        Self { title: title.into(), start: Instant::now(), bar: OnceLock::new(), line: AtomicU64::new(0) }
     }
 
     /// Shows the fraction done.
@@ -165,6 +233,9 @@ impl Bar {
 
     /// Shows the fraction done of this stage, and the time left for the whole work, if known.
     pub fn show(&self, fraction: f64, whole: Option<Duration>) {
+        if PROGRESS_LINES.load(Ordering::Relaxed) {
+            return self.write_line(fraction, whole);
+        }
         if is_quiet() || self.start.elapsed() < Duration::from_secs(1) {
             return;
         }
@@ -177,6 +248,9 @@ impl Bar {
 
     /// Shows the fraction of the whole work that is done, and the time left as estimated by the caller.
     pub fn show_all(&self, fraction: f64, left: Option<Duration>) {
+        if PROGRESS_LINES.load(Ordering::Relaxed) {
+            return self.write_line(fraction, left);
+        }
         if is_quiet() || self.start.elapsed() < Duration::from_secs(1) {
             return;
         }
@@ -194,6 +268,20 @@ impl Bar {
     pub fn hear(&self, fraction: f64) -> bool {
         self.set(fraction);
         true
+    }
+
+    /// Writes a line of progress, unless the latest is recent.
+    fn write_line(&self, done: f64, left: Option<Duration>) {
+        // 0 is the value of a bar without lines.
+        let now = self.start.elapsed().as_millis() as u64 + 1;
+        let last = self.line.load(Ordering::Relaxed);
+        if last == 0 || now >= last + LINE_MS {
+            self.line.store(now, Ordering::Relaxed);
+            let left_s = left.map(|left| (left.as_secs_f64() * 10.0).round() / 10.0);
+            let line = ProgressLine { stage: self.title.clone(), done: (done * 1e3).round() / 1e3, left_s };
+            let text = serde_json::to_string(&line).unwrap_or_default();
+            let _ = writeln!(io::stderr().lock(), "{text}");
+        }
     }
 
     fn new_bar(&self) -> ProgressBar {

@@ -11,7 +11,12 @@ mod console;
 mod demo;
 mod diff;
 mod inspect;
+#[cfg(feature = "mcp")]
+mod lines;
+mod manual;
 mod materials;
+#[cfg(feature = "mcp")]
+mod mcp;
 mod normals;
 mod options;
 mod proof_args;
@@ -28,6 +33,11 @@ use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::ffi::OsString;
 use std::process::ExitCode;
 
+/// The allocator of static programs and of wheels for musl, whose own serves one thread at a time.
+#[cfg(target_env = "musl")]
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 /// Bakes high-poly scans to low-poly glTF with normal maps, renders them, and measures the error.
 #[derive(Parser)]
 #[command(name = "taotie", version, max_term_width = 100, disable_help_subcommand = true)]
@@ -37,6 +47,9 @@ struct Cli {
     /// Print only results and errors: no progress, messages or warnings
     #[arg(short, long, global = true)]
     quiet: bool,
+    /// Print progress to stderr as JSON lines, for programs: stage, fraction done, seconds left if known
+    #[arg(long, global = true)]
+    progress: bool,
 }
 
 #[derive(Subcommand)]
@@ -73,8 +86,18 @@ enum Command {
     Materials(materials::MaterialsArgs),
     /// Renders the built-in bronze with every method and model, and measures the error.
     Demo(demo::DemoArgs),
+    /// Serves AI assistants over the Model Context Protocol.
+    #[cfg(feature = "mcp")]
+    Mcp(mcp::McpArgs),
+    /// Runs a command for `taotie mcp`.
+    #[cfg(feature = "mcp")]
+    #[command(name = mcp::WORKER, hide = true)]
+    McpWorker(mcp::WorkerArgs),
     /// Prints a shell completion script for subcommands and options.
     Completions(completions::CompletionsArgs),
+    /// Writes the manual pages of the command, for packages.
+    #[command(hide = true)]
+    ManPages(manual::ManPagesArgs),
 }
 
 /// The outcome of a run without an error.
@@ -109,6 +132,7 @@ pub fn exit_code(args: impl IntoIterator<Item = OsString>) -> u8 {
         }
     };
     console::set_quiet(cli.quiet);
+    console::set_progress_lines(cli.progress);
     stop::listen();
     let result = match cli.command {
         Command::Render(args) => render::run(&args).map(|()| Outcome::Fine),
@@ -125,7 +149,12 @@ pub fn exit_code(args: impl IntoIterator<Item = OsString>) -> u8 {
         Command::View(args) => view::run(&args).map(|()| Outcome::Fine),
         Command::Materials(args) => materials::run(&args).map(|()| Outcome::Fine),
         Command::Demo(args) => demo::run(&args).map(|()| Outcome::Fine),
+        #[cfg(feature = "mcp")]
+        Command::Mcp(args) => mcp::run(&args),
+        #[cfg(feature = "mcp")]
+        Command::McpWorker(args) => mcp::work(&args),
         Command::Completions(args) => completions::run(&args).map(|()| Outcome::Fine),
+        Command::ManPages(args) => manual::run(&args).map(|()| Outcome::Fine),
     };
     if stop::is_ending() {
         stop::wait();

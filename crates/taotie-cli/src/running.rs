@@ -5,6 +5,7 @@ use anyhow::{Context, Result};
 use clap::Args;
 use taotie::{Bytes, Limits};
 use taotie_engine::math::SimdLevel;
+use taotie_engine::parallel::HAS_THREADS;
 
 /// Memory, and the files that a model may reference.
 #[derive(Args)]
@@ -27,7 +28,7 @@ impl LimitArgs {
 }
 
 /// Largest number of threads to start.
-const MOST_THREADS: usize = 1024;
+const MOST_THREADS: usize = if HAS_THREADS { 1024 } else { 1 };
 
 /// Threads and output.
 #[derive(Args)]
@@ -48,9 +49,12 @@ impl RunArgs {
     }
 }
 
-/// Runs `work` on `threads` threads. By default, these are all of the machine's, or fewer under a limit on the
-/// process's memory.
+/// Runs `work` on `threads` threads, in WebAssembly on the only one. By default, these are all of the machine's, or
+/// fewer under a limit on the process's memory.
 pub fn in_pool<T: Send>(threads: Option<usize>, work: impl FnOnce() -> T + Send) -> Result<T> {
+    if !HAS_THREADS {
+        return Ok(work());
+    }
     let count = threads.or_else(taotie_io::most_threads);
     let started = |count: usize| rayon::ThreadPoolBuilder::new().num_threads(count).build();
     let pool = match started(count.unwrap_or(0)) {
@@ -81,7 +85,7 @@ pub struct RunningArgs {
     pub limits: LimitArgs,
     #[command(flatten)]
     pub run: RunArgs,
-    /// SIMD level: auto, scalar, sse2, avx2, avx512, neon. Pixels do not depend on it
+    /// SIMD level: auto, scalar, sse2, avx2, avx512, neon, simd128. Pixels do not depend on it
     #[arg(long, value_parser = options::named::<SimdLevel>, default_value = "auto")]
     pub simd: SimdLevel,
 }

@@ -60,6 +60,7 @@ pub fn wait() -> ! {
 }
 
 /// Ends the process with this code.
+#[cfg_attr(not(any(unix, windows)), allow(dead_code, reason = "WebAssembly has no signals"))]
 fn end(code: i32) -> ! {
     ENDING.store(true, Ordering::SeqCst);
     let start = Instant::now();
@@ -119,9 +120,17 @@ mod signals {
     }
 }
 
-#[cfg(not(unix))]
+#[cfg(windows)]
 mod signals {
     pub fn listen() -> Result<(), ctrlc::Error> {
         ctrlc::set_handler(|| super::end(130))
+    }
+}
+
+/// WebAssembly has no signals: its host ends the module.
+#[cfg(not(any(unix, windows)))]
+mod signals {
+    pub fn listen() -> std::io::Result<()> {
+        Ok(())
     }
 }

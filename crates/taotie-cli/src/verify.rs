@@ -61,10 +61,7 @@ impl VerifyArgs {
 pub fn run(args: &VerifyArgs) -> Result<Outcome> {
     args.check()?;
     let report = args.run.in_pool(|| verify(args))??;
-    match args.run.json {
-        true => console::result(&serde_json::to_string_pretty(&report)?)?,
-        false => console::result(&text::of(&report))?,
-    }
+    console::report(args.run.json, &report, text::of)?;
     Ok(if report.is_met() { Outcome::Fine } else { Outcome::Different })
 }
 
@@ -90,7 +87,7 @@ fn verify(args: &VerifyArgs) -> Result<Report> {
     let progress = Progress::new(&listener);
     let scan = read_scan(args, &args.limits.limits(), progress)?;
     console::say_warnings(scan.warnings());
-    let options = args.proof.options_of_page(args.output.is_some());
+    let options = args.proof.options_of_page(args.output.is_some() || console::shows_pictures());
     let proof = asset::verify(&args.asset, &scan, &options, progress)?;
     console::say_warnings(&proof.warnings);
     let mut report = Report::of_proof(&args.asset, &scan, &proof)?;
@@ -98,6 +95,9 @@ fn verify(args: &VerifyArgs) -> Result<Report> {
     let certificate = Certificate::of_file(&proved, &proof.figures, &options, &args.proof.signature())?;
     report.certificate = Some(certificate);
     report.stages = clock.done();
+    if console::shows_pictures() {
+        console::show(&bake_page::page(&report, &proof, None)?.features);
+    }
     if let [html, json] = &pages[..] {
         let page = bake_page::page(&report, &proof, None)?;
         let (page, warnings) = bake_page::html_with_asset(&page, &proof, &args.asset);

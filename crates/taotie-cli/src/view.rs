@@ -9,8 +9,8 @@ use crate::{console, stop};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use serde_json::json;
-use std::fs;
 use std::path::{Path, PathBuf};
+use std::{fs, io};
 use taotie::Bytes;
 use taotie::asset::{Scan, ScanFile, ScanOptions, into_metres, model_unit};
 use taotie_engine::length::Unit;
@@ -195,13 +195,25 @@ fn view(args: &ViewArgs) -> Result<()> {
     console::say_warnings(&warnings);
     let opened = args.output.is_none() && args.folder.is_none();
     if let Some(page) = written.first().filter(|_| opened) {
-        open::that(page)
+        open(page)
             .with_context(|| format!("{}: no browser opened it; write a page with -o", page.display()))?;
     }
     if args.json {
         return console::result(&serde_json::to_string_pretty(&report(args, &written, &warnings))?);
     }
     written.iter().try_for_each(|path| console::result(&path.display().to_string()))
+}
+
+/// Opens a page in the browser.
+#[cfg(any(unix, windows))]
+fn open(page: &Path) -> io::Result<()> {
+    open::that(page)
+}
+
+/// WebAssembly starts no programs.
+#[cfg(not(any(unix, windows)))]
+fn open(_: &Path) -> io::Result<()> {
+    Err(io::ErrorKind::Unsupported.into())
 }
 
 /// Reads the models and makes their page.

@@ -1,6 +1,7 @@
 //! The progress of long work, and its cancellation.
 
 use crate::error::{Error, Result};
+use crate::parallel::HAS_THREADS;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
@@ -78,7 +79,8 @@ impl<'a> Progress<'a> {
     /// whether to continue, even if the work reports nothing for longer. Long calls that cannot be split thus do not
     /// delay cancellation.
     ///
-    /// The listener is called only from the caller's thread. Without a listener, that thread does the work itself.
+    /// The listener is called only from the caller's thread. Without a listener, or on a system without threads, that
+    /// thread does the work itself.
     ///
     /// # Errors
     /// Those of the work; [`Error::Cancelled`], immediately, if the listener cancels: the work then stops at its next
@@ -87,7 +89,7 @@ impl<'a> Progress<'a> {
         self,
         work: impl FnOnce(Progress<'_>) -> Result<T> + Send + 'static,
     ) -> Result<T> {
-        let Some(listener) = self.listener else { return work(Progress::SILENT) };
+        let Some(listener) = self.listener.filter(|_| HAS_THREADS) else { return work(self) };
         let (news, received) = mpsc::channel();
         let stopped = Arc::new(AtomicBool::new(false));
         let begin = Begin { stage: self.stage, range: self.range, threads: rayon::current_num_threads() };

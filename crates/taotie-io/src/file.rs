@@ -4,11 +4,9 @@ use sha2::{Digest, Sha256};
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 use std::thread::JoinHandle;
 use taotie_engine::error::{Error, Result};
-use taotie_engine::parallel;
 
 /// Size of the largest file read, in bytes.
 const MAX_BYTES: u64 = 1 << 34;
@@ -36,6 +34,8 @@ pub fn read(path: &Path) -> Result<Vec<u8>> {
 #[cfg(unix)]
 fn read_pieces(file: &File, length: usize) -> Option<Vec<u8>> {
     use std::os::unix::fs::FileExt;
+    use std::sync::atomic::{AtomicBool, Ordering};
+    use taotie_engine::parallel;
     const PIECE: usize = 1 << 22;
     let mut bytes = vec![0; length];
     let failed = AtomicBool::new(false);
@@ -101,7 +101,7 @@ impl FileHash {
         let read = path.clone();
         // If the system cannot start a thread, the file is read on demand.
         let thread = std::thread::Builder::new().spawn(move || sha256(&read)).ok();
-        Self { path, thread: Mutex::new(thread), process: std::process::id(), known: OnceLock::new() }
+        Self { path, thread: Mutex::new(thread), process: process(), known: OnceLock::new() }
     }
 
     /// Returns the hash, hexadecimal, waiting for it if necessary.
@@ -130,7 +130,7 @@ impl FileHash {
     }
 
     fn is_inherited(&self) -> bool {
-        self.process != std::process::id()
+        self.process != process()
     }
 }
 
@@ -146,6 +146,11 @@ impl Drop for FileHash {
 /// Returns the SHA-256 of bytes, in hexadecimal.
 pub fn sha256_of(bytes: &[u8]) -> String {
     hexadecimal(Sha256::new().chain_update(bytes))
+}
+
+/// Returns the process's number; 0 for WebAssembly, which has none.
+fn process() -> u32 {
+    if cfg!(target_family = "wasm") { 0 } else { std::process::id() }
 }
 
 fn hexadecimal(hash: Sha256) -> String {

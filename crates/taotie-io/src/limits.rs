@@ -159,7 +159,20 @@ pub fn free_memory() -> Option<u64> {
     system.refresh_memory();
     let of_system = Some(system.available_memory()).filter(|free| *free > 0);
     let of_groups = group_limit(ROOT).map(|group| group.left);
-    [of_system, of_groups, process_limit(ROOT).map(|process| process.for_work())].into_iter().flatten().min()
+    let of_process = process_limit(ROOT).map(|process| process.for_work());
+    [of_system, of_groups, of_process, module_memory()].into_iter().flatten().min()
+}
+
+/// Returns what a WebAssembly module can still use of its 4 GiB, less an eighth, which fragments waste.
+#[cfg(target_family = "wasm")]
+fn module_memory() -> Option<u64> {
+    const PAGE: u64 = 1 << 16;
+    Some(((7 << 29) as u64).saturating_sub(core::arch::wasm32::memory_size(0) as u64 * PAGE))
+}
+
+#[cfg(not(target_family = "wasm"))]
+fn module_memory() -> Option<u64> {
+    None
 }
 
 /// Returns the number of threads to start at most, if the process's own limit leaves too little for one on each

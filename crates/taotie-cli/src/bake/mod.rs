@@ -22,11 +22,7 @@ pub fn run(args: &BakeArgs) -> Result<Outcome> {
     let files = stop::files();
     args.claim(&files)?;
     let report = args.run.in_pool(|| bake(args, &files))??;
-    if args.run.json {
-        console::result(&serde_json::to_string_pretty(&report)?)?;
-    } else {
-        console::result(&text::of(&report))?;
-    }
+    console::report(args.run.json, &report, text::of)?;
     Ok(if report.is_met() { Outcome::Fine } else { Outcome::Different })
 }
 
@@ -66,6 +62,7 @@ fn bake(args: &BakeArgs, files: &FileSet) -> Result<Report> {
         add_proof(args, &mut report, (&written, &proof))?;
         let shown = args.shown_model().map(|path| files.current(path));
         let page = bake_page::page(&report, &proof, Some(written.asset()))?;
+        console::show(&page.features);
         let (page, warnings) = match &shown {
             Some(path) => bake_page::html_with_asset(&page, &proof, path),
             None => (taotie_report::html(&page), Warnings::default()),

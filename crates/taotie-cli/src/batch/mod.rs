@@ -2,6 +2,8 @@
 
 mod worker;
 
+#[cfg(feature = "mcp")]
+pub use worker::this_program;
 pub use worker::{WORKER, run as work};
 
 use crate::console::{self, Bar};

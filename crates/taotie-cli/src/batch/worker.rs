@@ -4,6 +4,7 @@ use crate::stop;
 use anyhow::{Context, Result};
 use std::ffi::OsString;
 use std::io::{self, BufRead, Write};
+use std::path::PathBuf;
 use std::sync::mpsc::{self, Receiver};
 use std::sync::{Mutex, PoisonError};
 use taotie_batch::{Go, Host, Job, Message, Worker};
@@ -16,13 +17,18 @@ const PYTHON: &str = "TAOTIE_PYTHON";
 
 /// Returns the command that starts this program as the process of an asset.
 pub fn worker() -> Result<Worker> {
-    // In a Python package the executable is Python: start its module.
-    let (program, module): (_, &[&str]) = match std::env::var_os(PYTHON) {
-        Some(python) => (python.into(), &["-m", "taotie"]),
-        None => (std::env::current_exe().context("cannot find the program's own executable")?, &[]),
-    };
+    let (program, module) = this_program()?;
     let arguments = module.iter().chain([&WORKER]).map(OsString::from).collect();
     Ok(Worker { program, arguments })
+}
+
+/// Returns this program, and its first arguments.
+pub fn this_program() -> Result<(PathBuf, &'static [&'static str])> {
+    // In a Python package the executable is Python: start its module.
+    Ok(match std::env::var_os(PYTHON) {
+        Some(python) => (python.into(), &["-m", "taotie"]),
+        None => (std::env::current_exe().context("cannot find the program's own executable")?, &[]),
+    })
 }
 
 /// Does the job given on stdin. When stdin ends, the driver is gone, and this process ends immediately.

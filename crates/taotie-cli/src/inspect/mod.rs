@@ -68,10 +68,7 @@ fn inspect(args: &InspectArgs) -> Result<()> {
     let mut inspection = Inspection::of(&loaded);
     inspection.sizes = sizes;
     let report = Report::new(&args.model, inspection);
-    match args.json {
-        true => console::result(&serde_json::to_string_pretty(&report)?),
-        false => console::result(report::text(&report).trim_end()),
-    }
+    console::report(args.json, &report, |report| report::text(report).trim_end().to_owned())
 }
 
 /// Returns the memory of an inspection, bytes: the scene, the tangents to compare its own with, and the counts.
@@ -117,10 +114,7 @@ fn audit(args: &InspectArgs, schema_path: &Path) -> Result<Outcome> {
         audit_schema: schema_path.display().to_string(),
         audit: Audit::of(&loaded, &schema, product.as_ref())?,
     };
-    let printed = match args.json {
-        true => console::result(&serde_json::to_string_pretty(&report)?),
-        false => console::result(audit_text(&report).trim_end()),
-    };
+    let printed = console::report(args.json, &report, |report| audit_text(report).trim_end().to_owned());
     match printed {
         // The exit code stays the same if the pipe is closed.
         Err(error) if !console::is_broken_pipe(&error) => return Err(error),

@@ -44,10 +44,11 @@ impl Machine {
     pub fn find(args: &RenderArgs) -> Result<Self> {
         match args.device {
             Device::Cpu => Ok(Self::Cpu(None)),
-            Device::Auto => Ok(Self::Cpu(Some("this build lacks the feature `gpu`".into()))),
-            Device::Gpu => {
-                bail!("--device gpu: this build lacks it; enable the feature `gpu` of the crate taotie-cli")
-            }
+            Device::Auto => Ok(Self::Cpu(Some("this build cannot load graphics drivers".into()))),
+            Device::Gpu => bail!(
+                "--device gpu: this build cannot load graphics drivers; use the Python wheel, which has the same \
+                 command, or a build for glibc with the feature `gpu`, or leave out --device"
+            ),
         }
     }
 

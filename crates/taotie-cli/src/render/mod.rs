@@ -14,7 +14,7 @@ use anyhow::Result;
 use machine::Machine;
 use sequence::{Setting, Shooting, Watch};
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use taotie::Bytes;
 use taotie_engine::Warnings;
 use taotie_engine::names::Named;
@@ -48,6 +48,10 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let report = args.running.run.in_pool(|| render(args, &files))??;
     report.machine.report(args);
     console::say_warnings(&report.warnings);
+    if let Some(picture) = report.files.iter().find(|file| is_png(file)).filter(|_| console::shows_pictures())
+    {
+        console::show_file(picture)?;
+    }
     if args.running.run.json {
         return console::result(&serde_json::to_string_pretty(&report.json(args))?);
     }
@@ -55,6 +59,10 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         console::result(&file.display().to_string())?;
     }
     Ok(())
+}
+
+fn is_png(file: &Path) -> bool {
+    file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"))
 }
 
 fn render(args: &RenderArgs, set: &FileSet) -> Result<Report> {

@@ -2,7 +2,7 @@
 
 use crate::{console, options};
 use anyhow::{Context, Result, bail};
-use clap::Args;
+use clap::{Args, ValueHint};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use taotie::Limits;
@@ -29,7 +29,7 @@ pub struct LightArgs {
     pub shadows: bool,
     /// Environment light: `studio` (built in), an equirectangular .hdr or .exr, or `none`. With one, only the lights
     /// of --light and of the file are added
-    #[arg(long, value_name = "FILE|studio|none")]
+    #[arg(long, value_name = "FILE|studio|none", value_hint = ValueHint::FilePath)]
     pub env: Option<String>,
     /// Turn the environment counterclockwise as seen from above, degrees
     #[arg(long, value_name = "DEG", value_parser = options::number, allow_negative_numbers = true)]

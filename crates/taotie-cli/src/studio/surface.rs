@@ -2,7 +2,7 @@
 
 use crate::options;
 use anyhow::{Result, bail};
-use clap::{ArgAction, Args, ValueEnum};
+use clap::{ArgAction, Args, ValueEnum, ValueHint};
 use serde_json::json;
 use std::path::PathBuf;
 use taotie::studio::{MapOptions, MaterialFactors, MaterialOptions};
@@ -71,7 +71,7 @@ pub struct MaterialArgs {
     #[arg(long, value_name = "NAME")]
     pub variant: Option<String>,
     /// A preset, as `taotie materials` lists them, or a TOML file; the model keeps its maps
-    #[arg(long, value_name = "NAME|FILE")]
+    #[arg(long, value_name = "NAME|FILE", value_hint = ValueHint::FilePath)]
     pub material: Option<String>,
     /// Base colour of every material, a colour or a linear grey value; textures are multiplied by it
     #[arg(long, value_name = "COLOR", value_parser = options::color)]

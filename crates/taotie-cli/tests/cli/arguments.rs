@@ -247,7 +247,7 @@ fn unknown_simd_level() {
     refused_beside_a_model(
         "render a.obj -o a.png --simd mmx",
         str![[r#"
-error: invalid value 'mmx' for '--simd <SIMD>': unknown SIMD level `mmx`: expected one of: auto, scalar, sse2, avx2, avx512, neon
+error: invalid value 'mmx' for '--simd <SIMD>': unknown SIMD level `mmx`: expected one of: auto, scalar, sse2, avx2, avx512, neon, simd128
 
 For more information, try '--help'.
 

@@ -1,11 +1,12 @@
 //! Help pages.
 
 use super::place::Place;
-use snapbox::str;
 
+// The cargo feature `mcp` adds a subcommand.
+#[cfg(not(feature = "mcp"))]
 #[test]
 fn the_program_names_its_subcommands() {
-    Place::new().taotie("--help").assert().success().stderr_eq("").stdout_eq(str![[r#"
+    Place::new().taotie("--help").assert().success().stderr_eq("").stdout_eq(snapbox::str![[r#"
 Bakes high-poly scans to low-poly glTF with normal maps, renders them, and measures the error
 
 Usage: taotie [OPTIONS] <COMMAND>
@@ -73,5 +74,26 @@ fn every_shell_gets_a_script() {
         for word in ["taotie", "inspect", "provenance"] {
             assert!(script.contains(word), "{shell}: {word}");
         }
+    }
+}
+
+#[test]
+fn every_subcommand_has_a_manual_page() {
+    let place = Place::new();
+    let output = place.taotie("man-pages man").assert().success().stderr_eq("").get_output().clone();
+    let help = place.taotie("--help").output().expect("the command runs").stdout;
+    let help = String::from_utf8_lossy(&help).into_owned();
+    let commands =
+        help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
+    let names = commands.filter_map(|line| Some(format!("taotie-{}.1", line.split_whitespace().next()?)));
+    let mut expected: Vec<String> = names.chain([String::from("taotie.1")]).collect();
+    expected.sort();
+    let printed = String::from_utf8(output.stdout).expect("names are text");
+    let mut written: Vec<&str> = printed.lines().filter_map(|line| line.strip_prefix("man/")).collect();
+    written.sort_unstable();
+    assert_eq!(written, expected);
+    let page = String::from_utf8(place.read("man/taotie-bake.1")).expect("a page is text");
+    for part in [".SH EXAMPLES", "taotie bake ", "taotie\\-bake", r"\-\-images"] {
+        assert!(page.contains(part), "{part} is missing from {page}");
     }
 }

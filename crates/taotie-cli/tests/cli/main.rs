@@ -31,6 +31,8 @@ mod json_compare;
 mod kept;
 mod limits;
 mod maps_alone;
+#[cfg(feature = "mcp")]
+mod mcp;
 mod models;
 mod motion;
 mod normals;

@@ -77,3 +77,19 @@ fn quiet_leaves_errors_alone() {
     }
     assert!(said("render none.obj -o a.png -q").starts_with("taotie: error: none.obj: "));
 }
+
+#[test]
+fn programs_read_progress_as_lines() {
+    let place = Place::with("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    let assert = place.taotie("bake a.obj -o a.glb --triangles 1 --size 32 --progress").assert().success();
+    let lines = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
+    let progress: Vec<serde_json::Value> = lines
+        .lines()
+        .filter(|line| line.starts_with('{'))
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect();
+    assert!(progress.iter().any(|line| line["stage"] == "bake"), "{lines}");
+    assert!(progress.iter().all(|line| (0.0..=1.0).contains(&line["done"].as_f64().unwrap())), "{lines}");
+    let quiet = place.taotie("render a.obj -o a.png --size 8 --progress --quiet").assert().success();
+    assert!(String::from_utf8_lossy(&quiet.get_output().stderr).lines().all(|line| line.starts_with('{')));
+}

@@ -21,6 +21,8 @@ pub enum SimdLevel {
     Avx512,
     /// 128-bit registers of 64-bit Arm.
     Neon,
+    /// 128-bit registers of WebAssembly.
+    Simd128,
 }
 
 impl Named for SimdLevel {
@@ -32,6 +34,7 @@ impl Named for SimdLevel {
         ("avx2", Self::Avx2),
         ("avx512", Self::Avx512),
         ("neon", Self::Neon),
+        ("simd128", Self::Simd128),
     ];
 }
 
@@ -67,12 +70,14 @@ impl SimdLevel {
                 .or_else(|| avx2(machine))
                 .or_else(|| sse2(machine))
                 .or_else(|| neon(machine))
+                .or_else(|| simd128(machine))
                 .or(Some(machine)),
             Self::Scalar => Some(Level::fallback()),
             Self::Sse2 => sse2(machine),
             Self::Avx2 => avx2(machine),
             Self::Avx512 => avx512(machine),
             Self::Neon => neon(machine),
+            Self::Simd128 => simd128(machine),
         };
         level.ok_or_else(|| {
             Error::unsupported(
@@ -103,6 +108,11 @@ fn neon(machine: Level) -> Option<Level> {
     machine.as_neon().map(Level::Neon)
 }
 
+#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+fn simd128(machine: Level) -> Option<Level> {
+    machine.as_wasm_simd128().map(Level::WasmSimd128)
+}
+
 #[cfg(not(target_arch = "x86_64"))]
 fn sse2(_: Level) -> Option<Level> {
     None
@@ -123,11 +133,16 @@ fn neon(_: Level) -> Option<Level> {
     None
 }
 
+#[cfg(not(all(target_arch = "wasm32", target_feature = "simd128")))]
+fn simd128(_: Level) -> Option<Level> {
+    None
+}
+
 /// Evaluates `call` once, with `$pack` naming the pack type of `level` and `$token` its proof, compiled for that
 /// level. Everything that `call` runs must be `#[inline(always)]`, or it loses the level.
 ///
 /// `fearless_simd::dispatch!` would compile five levels, one of them eight scalars wide; this compiles only those
-/// that differ: one `f32` at a time, packs of eight on SSE2, AVX2 or NEON, and packs of sixteen on AVX-512.
+/// that differ: one `f32` at a time, packs of eight on SSE2, AVX2, NEON or SIMD128, and packs of sixteen on AVX-512.
 macro_rules! dispatch_pack {
     ($level:expr, $pack:ident, $token:ident => $call:expr) => {
         match $level {
@@ -176,6 +191,14 @@ macro_rules! dispatch_eight {
                     || $call,
                 )
             }
+            #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+            Level::WasmSimd128($token) => {
+                type $pack = fearless_simd::f32x8<fearless_simd::wasm32::WasmSimd128>;
+                $token.vectorize(
+                    #[inline(always)]
+                    || $call,
+                )
+            }
             _ => {
                 type $pack = f32;
                 let $token = ();
@@ -192,7 +215,11 @@ pub(crate) use dispatch_eight;
 /// Compiling emulated registers takes four times as long as all the levels with real ones, so it is only done for
 /// targets without registers. `fearless_simd::dispatch!` would compile it everywhere, and SSE4.2, which is never
 /// selected.
-#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+#[cfg(any(
+    target_arch = "x86_64",
+    target_arch = "aarch64",
+    all(target_arch = "wasm32", target_feature = "simd128")
+))]
 macro_rules! dispatch_registers {
     ($level:expr, $simd:ident => $call:expr) => {{
         use fearless_simd::{Level, Simd as _};
@@ -217,11 +244,20 @@ macro_rules! dispatch_registers {
                 #[inline(always)]
                 || $call,
             ),
+            #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+            Level::WasmSimd128($simd) => $simd.vectorize(
+                #[inline(always)]
+                || $call,
+            ),
             _ => unreachable!("a level without a `SimdLevel`"),
         }
     }};
 }
-#[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+#[cfg(not(any(
+    target_arch = "x86_64",
+    target_arch = "aarch64",
+    all(target_arch = "wasm32", target_feature = "simd128")
+)))]
 macro_rules! dispatch_registers {
     ($level:expr, $simd:ident => $call:expr) => {
         fearless_simd::dispatch!($crate::math::at_least_baseline($level), $simd => $call)
