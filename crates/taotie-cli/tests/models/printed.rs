@@ -48,7 +48,8 @@ fn blocks_of(page: &Path) -> Vec<Block> {
 fn blocks() -> Vec<Block> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let docs = root.join("docs");
-    let is_page = |path: &PathBuf| path.parent().is_some_and(|folder| folder == docs);
+    let folders = [docs.clone(), docs.join("tutorials")];
+    let is_page = |path: &PathBuf| path.parent().is_some_and(|folder| folders.iter().any(|one| one == folder));
     let pages = files_below(&docs, &["md"]).into_iter().filter(is_page);
     std::iter::once(root.join("README.md")).chain(pages).flat_map(|page| blocks_of(&page)).collect()
 }
