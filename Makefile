@@ -266,6 +266,9 @@ tested-web: npm web
 shaders: ## Regenerate the shaders in docs/shaders
 	cargo run --release -p xtask -- shaders
 
+schemas: ## Regenerate the JSON Schemas in docs/schemas
+	cargo run --release -p xtask -- schemas
+
 shader-errors: ## Measure shaders at random points, lavapipe and Chromium against f64, for docs/shaders.md
 	cargo run --release -p xtask -- shader-errors
 

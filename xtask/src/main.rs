@@ -10,6 +10,7 @@ mod dependencies;
 mod errors;
 mod generated;
 mod help_pages;
+mod schemas;
 mod shader_errors;
 mod shaders;
 mod tables;
@@ -73,6 +74,12 @@ enum Task {
         #[arg(long)]
         check: bool,
     },
+    /// Generate the JSON Schemas in docs/schemas from the types that the command serialises.
+    Schemas {
+        /// Write nothing; list the stale files and exit with 1.
+        #[arg(long)]
+        check: bool,
+    },
     /// Generate the table of docs/shaders.md: shaders at random points against the pixel program. Needs a Vulkan
     /// driver and Chromium; figures depend on their versions.
     ShaderErrors,
@@ -102,6 +109,7 @@ fn run(cli: &Cli) -> Result<ExitCode> {
         Task::Security { check } => finish(&dependencies::generated(&root())?, *check, "make security"),
         Task::Tables { check } => finish(&tables::generated(&root()), *check, "make tables"),
         Task::Shaders { check } => finish(&shaders::generated(&root())?, *check, "make shaders"),
+        Task::Schemas { check } => finish(&schemas::generated(&root())?, *check, "make schemas"),
         Task::ShaderErrors => finish(&shader_errors::generated(&root())?, false, "make shader-errors"),
         Task::AssetTable(args) => bake_assets(args),
     }

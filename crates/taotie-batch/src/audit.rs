@@ -20,7 +20,7 @@ pub struct AuditOptions {
 }
 
 /// Something that differs from the manifest.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Fault {
     /// The asset.
     pub id: String,
@@ -29,7 +29,7 @@ pub struct Fault {
 }
 
 /// The result of an audit.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize)]
 pub struct Audit {
     /// Assets checked.
     pub assets: usize,

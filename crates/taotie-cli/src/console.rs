@@ -167,11 +167,6 @@ pub fn say_warnings(warnings: &Warnings) {
     }
 }
 
-/// Returns warnings as JSON.
-pub fn json_warnings(warnings: &Warnings) -> serde_json::Value {
-    warnings.iter().map(|(what, count)| serde_json::json!({ "what": what, "count": count })).collect()
-}
-
 /// Returns the name of a file without its folders, which are private.
 pub fn name_of(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()

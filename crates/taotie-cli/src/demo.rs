@@ -6,7 +6,7 @@ use crate::running::RunArgs;
 use crate::{options, stop};
 use anyhow::Result;
 use clap::Args;
-use serde_json::json;
+use serde::Serialize;
 use std::path::PathBuf;
 use taotie_engine::Progress;
 use taotie_io::FileSet;
@@ -46,10 +46,19 @@ pub struct DemoArgs {
 const MAPS: u32 = 2048;
 
 /// The written files, and their figures.
+#[derive(Serialize)]
 struct Demo {
+    schema: u32,
+    /// Version of the program.
+    version: &'static str,
+    /// The paths of the written files.
     files: Vec<PathBuf>,
+    /// The pictures of the contact sheet.
+    #[serde(rename = "pictures")]
     made: Vec<Made>,
+    /// The surface methods compared with the relief as geometry.
     comparison: Document,
+    /// The kinds of normal maps on the moving vessel.
     moving: moving::Report,
 }
 
@@ -59,7 +68,7 @@ pub fn run(args: &DemoArgs) -> Result<()> {
     files.claim_folder(&args.out)?;
     let demo = args.run.in_pool(|| demo(args, &files))??;
     if args.run.json {
-        return console::result(&serde_json::to_string_pretty(&demo.json())?);
+        return console::result(&serde_json::to_string_pretty(&demo)?);
     }
     demo.print()
 }
@@ -88,7 +97,8 @@ fn demo(args: &DemoArgs, set: &FileSet) -> Result<Demo> {
     let compared = truth::write(&output, vessel.scene(), &high, Progress::new(&listener))?;
     files.extend(compared.files);
     set.commit()?;
-    Ok(Demo { files, made, comparison: compared.document, moving })
+    let version = env!("CARGO_PKG_VERSION");
+    Ok(Demo { schema: SCHEMA, version, files, made, comparison: compared.document, moving })
 }
 
 fn line_of(made: &Made) -> String {
@@ -111,16 +121,5 @@ impl Demo {
             console::result(&format!("wrote {}", file.display()))?;
         }
         Ok(())
-    }
-
-    fn json(&self) -> serde_json::Value {
-        json!({
-            "schema": SCHEMA,
-            "version": env!("CARGO_PKG_VERSION"),
-            "files": self.files,
-            "pictures": self.made,
-            "comparison": self.comparison,
-            "moving": self.moving,
-        })
     }
 }

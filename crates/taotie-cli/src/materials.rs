@@ -4,7 +4,7 @@ use crate::{console, options, stop};
 use anyhow::Result;
 use clap::Args;
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use taotie_engine::math::Vec3;
 use taotie_engine::scene::{Material, PRESETS, Preset, preset};
 use taotie_engine::shade::fresnel::{COS_82, f_schlick};
@@ -40,16 +40,34 @@ pub struct MaterialsArgs {
     pub json: bool,
 }
 
+/// The presets.
+#[derive(Serialize)]
+struct List<'a> {
+    schema: u32,
+    /// The presets, in the order of the documentation.
+    materials: &'a [Entry],
+    /// The path of the written picture; `None` without one.
+    swatches: Option<&'a Path>,
+}
+
 /// A preset in the list.
 #[derive(Serialize)]
 struct Entry {
+    /// Its name, for `--material`.
     name: &'static str,
+    /// What it is, in words.
     what: &'static str,
+    /// The source of its colours.
     source: &'static str,
+    /// Linear RGB.
     base_color: [f32; 3],
+    /// The metallic factor, [0, 1].
     metallic: f32,
+    /// The perceptual roughness, [0, 1].
     roughness: f32,
+    /// The reflectance along the normal, linear RGB.
     f0: [f32; 3],
+    /// The reflectance at 82° from the normal, linear RGB.
     f82: [f32; 3],
     /// True if F82 is measured; otherwise it is Schlick's.
     f82_given: bool,
@@ -65,7 +83,7 @@ pub fn run(args: &MaterialsArgs) -> Result<()> {
     }
     let entries: Vec<Entry> = PRESETS.iter().filter_map(Entry::new).collect();
     if args.json {
-        let list = serde_json::json!({ "schema": SCHEMA, "materials": entries, "swatches": args.output });
+        let list = List { schema: SCHEMA, materials: &entries, swatches: args.output.as_deref() };
         return console::result(&serde_json::to_string_pretty(&list)?);
     }
     console::result(text(&entries).trim_end())

@@ -3,16 +3,17 @@
 use crate::proof_args::ScanArgs;
 use crate::running::{LimitArgs, in_pool};
 use crate::studio::{
-    self, CameraArgs, FilmArgs, Framing, LightArgs, MaterialArgs, ReflectionArgs, SurfaceArgs, Viewpoint,
+    self, CameraArgs, EnvironmentReport, FilmArgs, Framing, LightArgs, MaterialArgs, ReflectionArgs,
+    SurfaceArgs, Viewpoint,
 };
 use crate::{console, stop};
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use serde_json::json;
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
-use taotie::Bytes;
 use taotie::asset::{Scan, ScanFile, ScanOptions, into_metres, model_unit};
+use taotie::{Bytes, Warning};
 use taotie_engine::length::Unit;
 use taotie_engine::math::SimdLevel;
 use taotie_engine::render::{
@@ -345,14 +346,32 @@ fn temporary(args: &ViewArgs) -> Result<PathBuf> {
     Ok(folder.keep().join(format!("{stem}.html")))
 }
 
-fn report(args: &ViewArgs, written: &[PathBuf], warnings: &Warnings) -> serde_json::Value {
-    json!({
-        "schema": SCHEMA,
-        "version": env!("CARGO_PKG_VERSION"),
-        "model": console::name_of(&args.model),
-        "files": written.iter().map(|path| console::name_of(path)).collect::<Vec<_>>(),
-        "scan": args.scan.as_deref().map(console::name_of),
-        "environment": args.light.environment_json(),
-        "warnings": console::json_warnings(warnings),
-    })
+/// The report on a page.
+#[derive(Serialize)]
+struct Report {
+    schema: u32,
+    /// Version of the program.
+    version: &'static str,
+    /// The name of the model's file, without folders.
+    model: String,
+    /// The names of the written files, the page first.
+    files: Vec<String>,
+    /// The name of the scan's file; `None` without a scan.
+    scan: Option<String>,
+    /// The environment; `None` without one.
+    environment: Option<EnvironmentReport>,
+    /// Problems and corrections.
+    warnings: Vec<Warning>,
+}
+
+fn report(args: &ViewArgs, written: &[PathBuf], warnings: &Warnings) -> Report {
+    Report {
+        schema: SCHEMA,
+        version: env!("CARGO_PKG_VERSION"),
+        model: console::name_of(&args.model),
+        files: written.iter().map(|path| console::name_of(path)).collect(),
+        scan: args.scan.as_deref().map(console::name_of),
+        environment: args.light.environment_report(),
+        warnings: warnings.list(),
+    }
 }

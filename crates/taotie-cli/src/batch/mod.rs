@@ -10,11 +10,12 @@ use crate::console::{self, Bar};
 use crate::{Outcome, options, stop};
 use anyhow::{Context, Result, bail};
 use clap::Args;
+use serde::Serialize;
 use serde_json::json;
 use std::io::{self, BufRead};
 use std::path::PathBuf;
 use std::time::Duration;
-use taotie::Bytes;
+use taotie::{Bytes, Warning};
 use taotie_batch::{
     Audit, AuditOptions, Collection, DriveOptions, Event, Fault, Record, Remote, Shard, State, Summary, Told,
     audit, drive, duration, write_page,
@@ -143,16 +144,16 @@ fn outcome(summary: &Summary) -> Outcome {
 /// Prints the outcome of the collection.
 fn print(args: &BatchArgs, summary: Option<&Summary>, pages: &[PathBuf]) -> Result<()> {
     if args.json {
-        let report = json!({
-            "schema": SCHEMA,
-            "version": env!("CARGO_PKG_VERSION"),
-            "collection": console::name_of(&args.collection),
-            "states": summary.map(states_json),
-            "attempts": summary.map(|summary| summary.attempts),
-            "known": summary.map(|summary| summary.known),
-            "files": pages.iter().map(|page| console::name_of(page)).collect::<Vec<_>>(),
-            "warnings": summary.map(|summary| console::json_warnings(&summary.warnings)),
-        });
+        let report = Report {
+            schema: SCHEMA,
+            version: env!("CARGO_PKG_VERSION"),
+            collection: console::name_of(&args.collection),
+            states: summary.map(States::of),
+            attempts: summary.map(|summary| summary.attempts),
+            known: summary.map(|summary| summary.known),
+            files: pages.iter().map(|page| console::name_of(page)).collect(),
+            warnings: summary.map(|summary| summary.warnings.list()),
+        };
         return console::result(&serde_json::to_string_pretty(&report)?);
     }
     if let Some(summary) = summary {
@@ -163,13 +164,63 @@ fn print(args: &BatchArgs, summary: Option<&Summary>, pages: &[PathBuf]) -> Resu
     pages.first().map_or(Ok(()), |page| console::result(&page.display().to_string()))
 }
 
-fn states_json(summary: &Summary) -> serde_json::Value {
-    let count = |state: State| (state.name().to_owned(), json!(summary.states.get(&state).unwrap_or(&0)));
-    State::ALL.into_iter().map(count).collect::<serde_json::Map<_, _>>().into()
+/// The report on a collection.
+#[derive(Serialize)]
+struct Report {
+    schema: u32,
+    /// Version of the program.
+    version: &'static str,
+    /// The name of the collection's file, without folders.
+    collection: String,
+    /// The number of assets in each state; `None` with `--page-only`.
+    states: Option<States>,
+    /// Attempts made by this run; `None` with `--page-only`.
+    attempts: Option<usize>,
+    /// Assets known from earlier runs; `None` with `--page-only`.
+    known: Option<usize>,
+    /// The names of the files of the collection's page; empty for shards.
+    files: Vec<String>,
+    /// Problems and corrections; `None` with `--page-only`.
+    warnings: Option<Vec<Warning>>,
+}
+
+/// The number of assets in each state.
+#[derive(Serialize)]
+#[serde(rename_all = "kebab-case")]
+struct States {
+    /// All files exist, and all requirements are met.
+    done: usize,
+    /// All files exist, but a figure does not meet its requirement.
+    required_not_met: usize,
+    /// They exceed the memory limit or another limit.
+    refused: usize,
+    /// They could not be made.
+    failed: usize,
+}
+
+impl States {
+    fn of(summary: &Summary) -> Self {
+        let [done, required_not_met, refused, failed] =
+            State::ALL.map(|state| summary.states.get(&state).copied().unwrap_or(0));
+        Self { done, required_not_met, refused, failed }
+    }
 }
 
 /// Version of the JSON that `--check --json` prints.
 const AUDIT_SCHEMA: u32 = 1;
+
+/// The report on the files of a collection.
+#[derive(Serialize)]
+struct AuditReport<'a> {
+    /// [`AUDIT_SCHEMA`].
+    schema: u32,
+    /// Version of the program.
+    version: &'static str,
+    /// The name of the collection's file, without folders.
+    collection: String,
+    #[serde(flatten)]
+    audit: &'a Audit,
+}
 
 /// Compares the written files with the manifest, for `--check`.
 fn check(args: &BatchArgs, collection: &Collection) -> Result<Outcome> {
@@ -190,16 +241,12 @@ fn check(args: &BatchArgs, collection: &Collection) -> Result<Outcome> {
 fn print_audit(args: &BatchArgs, audit: &Audit) -> Result<()> {
     let Audit { assets, files, proofs, faults } = audit;
     if args.json {
-        let fault = |fault: &Fault| json!({ "id": fault.id, "what": fault.what });
-        let report = json!({
-            "schema": AUDIT_SCHEMA,
-            "version": env!("CARGO_PKG_VERSION"),
-            "collection": console::name_of(&args.collection),
-            "assets": assets,
-            "files": files,
-            "proofs": proofs,
-            "faults": faults.iter().map(fault).collect::<Vec<_>>(),
-        });
+        let report = AuditReport {
+            schema: AUDIT_SCHEMA,
+            version: env!("CARGO_PKG_VERSION"),
+            collection: console::name_of(&args.collection),
+            audit,
+        };
         return console::result(&serde_json::to_string_pretty(&report)?);
     }
     for Fault { id, what } in faults {
@@ -236,11 +283,11 @@ pub fn keep(args: &BatchArgs) -> Result<Outcome> {
     let summary = remote.summary();
     let pages = if args.shard.is_none() { write_page(&collection)? } else { Vec::new() };
     let report = json!({
-        "states": states_json(&summary),
+        "states": States::of(&summary),
         "attempts": summary.attempts,
         "known": summary.known,
         "files": pages.iter().map(|page| page.to_string_lossy()).collect::<Vec<_>>(),
-        "warnings": console::json_warnings(&summary.warnings),
+        "warnings": summary.warnings.list(),
     });
     console::result(&report.to_string())?;
     Ok(outcome(&summary))

@@ -121,8 +121,8 @@ fn page_options(args: &CompareArgs, model: &Path) -> comparison::Options {
     comparison::Options {
         title: model.file_name().unwrap_or_default().to_string_lossy().into_owned(),
         heat_top_deg: args.heat_top_deg,
-        material: args.material.json(),
-        environment: args.light.environment_json(),
+        material: serde_json::to_value(args.material.report()).unwrap_or_default(),
+        environment: serde_json::to_value(args.light.environment_report()).unwrap_or_default(),
         exr: args.exr,
     }
 }

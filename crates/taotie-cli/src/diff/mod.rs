@@ -9,17 +9,17 @@ pub use args::DiffArgs;
 use crate::console::{self, Bar};
 use crate::{Outcome, stop};
 use anyhow::{Result, bail};
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;
-use taotie::Bytes;
 use taotie::comparison::diff::{
     DiffFigures, DiffOptions, Encoding, ImageContent, ImagePair, Metric, NamedBitmap, guessed_encoding,
 };
+use taotie::{Bytes, Warning};
+use taotie_engine::Progress;
 use taotie_engine::compare::NormalEncoding;
 use taotie_engine::image::Bitmap;
 use taotie_engine::names::Named;
-use taotie_engine::{Progress, Warnings};
 use taotie_io::FileSet;
 use taotie_report::heat_map::HeatMap;
 use taotie_report::table::summary_text;
@@ -43,7 +43,6 @@ pub fn run(args: &DiffArgs) -> Result<Outcome> {
 }
 
 fn print(args: &DiffArgs, report: &Report) -> Result<()> {
-    console::say_warnings(&report.warnings);
     if args.run.json {
         return console::result(&serde_json::to_string_pretty(report)?);
     }
@@ -78,6 +77,8 @@ fn compare(args: &DiffArgs, set: &FileSet) -> Result<Report> {
         write_heat_map(set, args, path, &pair)?;
         set.commit()?;
     }
+    drop(bar);
+    console::say_warnings(&pair.warnings);
     Ok(Report::new(args, &files, &pair, figures))
 }
 
@@ -128,31 +129,40 @@ struct Files {
 #[derive(Serialize)]
 struct Report {
     schema: u32,
+    /// Version of the program.
     version: &'static str,
+    /// The first file.
     a: File,
+    /// The second file.
     b: File,
+    /// Pixels across and down.
     size: [u32; 2],
-    /// `pictures` or `normals`.
+    /// What the files were compared as: `pictures` or `normals`.
     compared_as: &'static str,
     /// True if every stored number is the same in both.
     equal: bool,
     /// Texels that hold no normal in one of the files.
     left_out: usize,
+    /// The differences.
     metrics: DiffFigures,
+    /// The viewing distance that FLIP assumes.
     pixels_per_degree: f64,
     /// The requested limit.
     threshold: Option<Threshold>,
+    /// The path of the written heat map.
     heat: Option<String>,
-    /// Warnings with their counts.
-    #[serde(serialize_with = "counted")]
-    warnings: Warnings,
+    /// Problems and corrections.
+    warnings: Vec<Warning>,
 }
 
 /// One of the two files.
 #[derive(Serialize)]
 struct File {
+    /// The path, as given.
     path: String,
+    /// Bits per channel.
     bits: u8,
+    /// The number of channels.
     channels: u8,
     /// The encoding of its normals: `unit` or `signed`.
     normals: Option<&'static str>,
@@ -165,14 +175,12 @@ struct File {
 /// A limit and whether it was exceeded.
 #[derive(Debug, Clone, Copy, Serialize)]
 struct Threshold {
+    /// The name of the metric: `angle`, `flip`, `ssim`, `psnr` or `rmse`.
     metric: &'static str,
+    /// The limit: the largest value, for `ssim` and `psnr` the smallest.
     limit: f64,
     /// True if the metric is worse than the limit.
     exceeded: bool,
-}
-
-fn counted<S: Serializer>(warnings: &Warnings, serializer: S) -> Result<S::Ok, S::Error> {
-    console::json_warnings(warnings).serialize(serializer)
 }
 
 impl Report {
@@ -200,7 +208,7 @@ impl Report {
             }),
             metrics,
             heat: args.heat.as_ref().map(|path| path.display().to_string()),
-            warnings: pair.warnings.clone(),
+            warnings: pair.warnings.list(),
         }
     }
 

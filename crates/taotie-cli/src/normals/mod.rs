@@ -12,6 +12,7 @@ use args::Border;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;
+use taotie::Warning;
 use taotie_engine::Warnings;
 use taotie_engine::bake::{TexelGrid, TexelSurface};
 use taotie_engine::compare::{Field, Summary};
@@ -198,24 +199,32 @@ const SCHEMA: u32 = 1;
 #[derive(Serialize)]
 struct Report {
     schema: u32,
+    /// Version of the program.
     version: &'static str,
+    /// The path of the input, as given.
     input: String,
+    /// The path of the written map.
     output: String,
+    /// Texels across and down.
     size: [u32; 2],
-    /// `height`, `tangent` or `object`.
+    /// The content of the input: `height`, `tangent` or `object`.
     from: &'static str,
-    /// `tangent` or `object`.
+    /// The space of the written normals: `tangent` or `object`.
     to: &'static str,
-    /// `up` or `down`.
+    /// The green direction of the input: `up` or `down`.
     green_in: &'static str,
+    /// The green direction of the written map: `up` or `down`.
     green: &'static str,
+    /// Bits per channel.
     bits: u8,
+    /// `true` if rounding is dithered.
     dither: bool,
     /// Degrees between the exact normals and the stored ones; `None` if the map holds no normal.
     stored: Option<Summary>,
     /// Degrees between the input's normals and those converted back from the output.
     round_trip: Option<Summary>,
-    warnings: serde_json::Value,
+    /// Problems and corrections.
+    warnings: Vec<Warning>,
 }
 
 impl Report {
@@ -235,7 +244,7 @@ impl Report {
             dither: args.dither,
             stored: made.stored.summary(),
             round_trip: made.round_trip.as_ref().and_then(Field::summary),
-            warnings: console::json_warnings(warnings),
+            warnings: warnings.list(),
         }
     }
 

@@ -8,10 +8,9 @@ use crate::studio::{
 };
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
-use serde_json::json;
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 use taotie_engine::Warnings;
-use taotie_engine::names::Named;
 use taotie_engine::render::{Aovs, NormalMapping, ReferenceSettings, RenderSettings, SurfaceSettings};
 use taotie_engine::scene::Scene;
 use taotie_engine::surface::SurfaceMethod;
@@ -240,19 +239,34 @@ impl IntegratorArgs {
         })
     }
 
-    /// Returns the choice as JSON for reports.
-    pub fn json(&self) -> serde_json::Value {
+    /// Returns the choice for reports.
+    pub fn report(&self) -> IntegratorReport {
         match self.reference() {
-            None => json!({ "name": "raster" }),
-            Some(reference) => json!({
-                "name": "reference",
-                "spp": reference.spp,
-                "bounces": reference.bounces,
-                "seed": reference.seed,
-                "normal_mapping": reference.normal_mapping.name(),
-            }),
+            None => IntegratorReport::Raster,
+            Some(ReferenceSettings { spp, bounces, seed, normal_mapping, .. }) => {
+                IntegratorReport::Reference { spp, bounces, seed, normal_mapping }
+            }
         }
     }
+}
+
+/// The integrator of a picture, for reports.
+#[derive(Serialize)]
+#[serde(tag = "name", rename_all = "lowercase")]
+pub enum IntegratorReport {
+    /// The rasteriser.
+    Raster,
+    /// The path tracer.
+    Reference {
+        /// Paths per pixel.
+        spp: u32,
+        /// The largest number of bounces.
+        bounces: u32,
+        /// The seed of the random numbers.
+        seed: u32,
+        /// How light interprets a mapped normal.
+        normal_mapping: NormalMapping,
+    },
 }
 
 /// A kind of device, by its name on the command line.

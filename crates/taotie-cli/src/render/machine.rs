@@ -5,7 +5,7 @@ use crate::console;
 use anyhow::Result;
 #[cfg(not(feature = "gpu"))]
 use anyhow::bail;
-use serde_json::json;
+use serde::Serialize;
 use taotie_engine::Progress;
 use taotie_engine::film::Development;
 use taotie_engine::render::{Frame, Prepared, Renderer, Shot};
@@ -64,19 +64,17 @@ impl Machine {
         }
     }
 
-    /// Returns the device as JSON for reports: the requested one, the one used with the reason, and the method for
-    /// shadows, if any.
-    pub fn json(&self, args: &RenderArgs) -> serde_json::Value {
+    /// Returns the device for reports.
+    pub fn report_of(&self, args: &RenderArgs) -> DeviceReport<'_> {
         let requested = args.device.name();
         let by = |way: &'static str| args.settings().shadows.then_some(way);
         match self {
             Self::Cpu(reason) => {
-                json!({ "name": "cpu", "requested": requested, "reason": reason, "shadows": by("rays") })
+                DeviceReport::Cpu { requested, reason: reason.as_deref(), shadows: by("rays") }
             }
             #[cfg(feature = "gpu")]
             Self::Gpu(gpu) => {
-                let (adapter, shadows) = (gpu.description(), by("shader-rays"));
-                json!({ "name": "gpu", "requested": requested, "adapter": adapter, "shadows": shadows })
+                DeviceReport::Gpu { requested, adapter: gpu.description(), shadows: by("shader-rays") }
             }
         }
     }
@@ -97,6 +95,31 @@ impl Machine {
             }
         }
     }
+}
+
+/// The device that rendered a picture, for reports.
+#[derive(Serialize)]
+#[serde(tag = "name", rename_all = "lowercase")]
+pub enum DeviceReport<'a> {
+    /// The CPU.
+    Cpu {
+        /// The requested device: `cpu`, `gpu` or `auto`.
+        requested: Option<String>,
+        /// Why it was chosen; `None` if it was requested.
+        reason: Option<&'a str>,
+        /// The method for shadows, `rays`; `None` without shadows.
+        shadows: Option<&'static str>,
+    },
+    /// A GPU.
+    #[cfg(feature = "gpu")]
+    Gpu {
+        /// The requested device: `cpu`, `gpu` or `auto`.
+        requested: Option<String>,
+        /// The card and its driver.
+        adapter: &'a AdapterDescription,
+        /// The method for shadows, `shader-rays`; `None` without shadows.
+        shadows: Option<&'static str>,
+    },
 }
 
 /// The note on a software GPU. Measured: Mesa's lavapipe takes 44 times as long as the CPU for four pictures with

@@ -8,17 +8,23 @@ mod sequence;
 
 pub use args::RenderArgs;
 
-use crate::studio::{self, Motion};
+use crate::studio::{self, EnvironmentReport, MaterialReport, Motion, ReflectionReport};
 use crate::{console, stop};
 use anyhow::Result;
-use machine::Machine;
+use args::IntegratorReport;
+use machine::{DeviceReport, Machine};
 use sequence::{Setting, Shooting, Watch};
-use serde_json::json;
+use serde::Serialize;
+use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use taotie::Bytes;
+use taotie::studio::{CameraParameters, LightParameters};
+use taotie::{Bytes, Warning};
 use taotie_engine::Warnings;
-use taotie_engine::names::Named;
+use taotie_engine::film::ToneCurve;
 use taotie_engine::render::{image_bytes, pixel_bytes};
+use taotie_engine::shade::Shading;
+use taotie_engine::surface::SurfaceMethod;
 use taotie_io::FileSet;
 
 /// Version of the JSON that `--json` prints.
@@ -53,7 +59,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         console::show_file(picture)?;
     }
     if args.running.run.json {
-        return console::result(&serde_json::to_string_pretty(&report.json(args))?);
+        return console::result(&serde_json::to_string_pretty(&report.printed(args))?);
     }
     for file in &report.files {
         console::result(&file.display().to_string())?;
@@ -109,34 +115,86 @@ fn render(args: &RenderArgs, set: &FileSet) -> Result<Report> {
 }
 
 impl Report {
-    fn json(&self, args: &RenderArgs) -> serde_json::Value {
-        let seconds: serde_json::Map<String, serde_json::Value> =
-            self.seconds.iter().map(|(stage, s)| ((*stage).to_string(), json!(s))).collect();
-        json!({
-            "schema": SCHEMA,
-            "version": env!("CARGO_PKG_VERSION"),
-            "model": args.model.to_string_lossy(),
-            "files": self.files.iter().map(|file| file.to_string_lossy()).collect::<Vec<_>>(),
-            "triangles": self.triangles,
-            "animation": self.animation,
-            "times": self.times,
-            "size": args.size,
-            "integrator": args.integrator.json(),
-            "device": self.machine.json(args),
-            "samples": args.integrator.reference().is_none().then(|| args.film.samples()),
-            "shading": args.surface.shading.name(),
-            "surface": args.surface.method.map(|s| s.name()),
-            "reflection": args.reflection.json(),
-            "material": args.material.json(),
-            "camera": self.setting.as_ref().map(|setting| &setting.camera),
-            "lights": self.setting.as_ref().map(|setting| &setting.lights),
-            "ambient": self.setting.as_ref().map(|setting| setting.ambient),
-            "shadows": args.settings().shadows,
-            "ground": args.ground,
-            "environment": args.light.environment_json(),
-            "tone": args.film.tone().name(),
-            "seconds": seconds,
-            "warnings": console::json_warnings(&self.warnings),
-        })
+    /// Returns the report as `--json` prints it.
+    fn printed<'a>(&'a self, args: &'a RenderArgs) -> Printed<'a> {
+        let setting = self.setting.as_ref();
+        Printed {
+            schema: SCHEMA,
+            version: env!("CARGO_PKG_VERSION"),
+            model: args.model.to_string_lossy(),
+            files: self.files.iter().map(|file| file.to_string_lossy()).collect(),
+            triangles: self.triangles,
+            animation: self.animation.as_deref(),
+            times: &self.times,
+            size: args.size,
+            integrator: args.integrator.report(),
+            device: self.machine.report_of(args),
+            samples: args.integrator.reference().is_none().then(|| args.film.samples()),
+            shading: args.surface.shading,
+            surface: args.surface.method,
+            reflection: args.reflection.report(),
+            material: args.material.report(),
+            camera: setting.map(|setting| &setting.camera),
+            lights: setting.map(|setting| setting.lights.as_slice()),
+            ambient: setting.map(|setting| setting.ambient),
+            shadows: args.settings().shadows,
+            ground: args.ground,
+            environment: args.light.environment_report(),
+            tone: args.film.tone(),
+            seconds: self.seconds.iter().copied().collect(),
+            warnings: self.warnings.list(),
+        }
     }
+}
+
+/// The report on a picture or an animation.
+#[derive(Serialize)]
+struct Printed<'a> {
+    schema: u32,
+    /// Version of the program.
+    version: &'static str,
+    /// The path of the model, as given.
+    model: Cow<'a, str>,
+    /// The paths of the written files.
+    files: Vec<Cow<'a, str>>,
+    /// The number of triangles, over all instances.
+    triangles: usize,
+    /// The name of the animation shown; `None` without one.
+    animation: Option<&'a str>,
+    /// The time of the animation in each picture, seconds; `0` without one.
+    times: &'a [f64],
+    /// Pixels across and down.
+    size: [u32; 2],
+    /// The integrator.
+    integrator: IntegratorReport,
+    /// The device.
+    device: DeviceReport<'a>,
+    /// Samples per pixel; `None` for the path tracer.
+    samples: Option<u32>,
+    /// The reflectance model.
+    shading: Shading,
+    /// The requested source of shading normals; `None` uses the best that each mesh has.
+    surface: Option<SurfaceMethod>,
+    /// The details of reflection.
+    reflection: ReflectionReport,
+    /// The options that replace parts of the model's materials.
+    material: MaterialReport<'a>,
+    /// The camera of the first picture; `None` without pictures.
+    camera: Option<&'a CameraParameters>,
+    /// The lights of the first picture, world space; `None` without pictures.
+    lights: Option<&'a [LightParameters]>,
+    /// Radiance from all around, linear RGB; `None` without pictures.
+    ambient: Option<[f32; 3]>,
+    /// `true` if lights cast shadows.
+    shadows: bool,
+    /// `true` if the model is above a ground that catches its shadow.
+    ground: bool,
+    /// The environment; `None` without one.
+    environment: Option<EnvironmentReport>,
+    /// The tone curve.
+    tone: ToneCurve,
+    /// The time of each stage, seconds.
+    seconds: BTreeMap<&'static str, f64>,
+    /// Problems and corrections.
+    warnings: Vec<Warning>,
 }

@@ -9,13 +9,16 @@ mod subject;
 pub use args::ShaderArgs;
 
 use crate::running::in_pool;
+use crate::studio::ReflectionReport;
 use crate::{console, stop};
 use anyhow::{Context, Result};
 use args::Target;
 use description::Description;
 use files::{NamedFile, Names};
-use serde_json::json;
+use serde::Serialize;
+use std::borrow::Cow;
 use subject::{Drawn, Model, plain};
+use taotie::Warning;
 use taotie_engine::Warnings;
 use taotie_io::FileSet;
 
@@ -48,7 +51,7 @@ pub fn run(args: &ShaderArgs) -> Result<()> {
     files.commit()?;
     console::say_warnings(&bundle.warnings);
     match args.json {
-        true => console::result(&serde_json::to_string_pretty(&bundle.json(args))?),
+        true => console::result(&serde_json::to_string_pretty(&bundle.report(args))?),
         false => bundle.paths(args).try_for_each(|path| console::result(&path)),
     }
 }
@@ -129,34 +132,84 @@ impl Bundle {
         self.files.iter().map(|file| args.output.join(&file.name).display().to_string())
     }
 
-    fn json(&self, args: &ShaderArgs) -> serde_json::Value {
-        let shaders: Vec<_> = self.shaders.iter().map(shader_json).collect();
-        json!({
-            "schema": SCHEMA,
-            "version": env!("CARGO_PKG_VERSION"),
-            "model": args.model.as_ref().map(|path| path.to_string_lossy()),
-            "target": args.target.name(),
-            "reflection": args.reflection.json(),
-            "environment": args.env,
-            "files": self.paths(args).collect::<Vec<_>>(),
-            "shaders": shaders,
-            "warnings": console::json_warnings(&self.warnings),
-        })
+    /// Returns the report as `--json` prints it.
+    fn report<'a>(&'a self, args: &'a ShaderArgs) -> Report<'a> {
+        Report {
+            schema: SCHEMA,
+            version: env!("CARGO_PKG_VERSION"),
+            model: args.model.as_ref().map(|path| path.to_string_lossy()),
+            target: args.target.name(),
+            reflection: args.reflection.report(),
+            environment: args.env.as_deref(),
+            files: self.paths(args).collect(),
+            shaders: self.shaders.iter().map(Listed::new).collect(),
+            warnings: self.warnings.list(),
+        }
     }
 }
 
-fn shader_json(shader: &Description) -> serde_json::Value {
-    let materials: Vec<_> = shader
-        .surfaces
-        .iter()
-        .filter(|surface| !surface.instances.is_empty())
-        .map(|surface| json!({ "name": surface.material, "number": surface.number, "instances": surface.instances }))
-        .collect();
-    json!({
-        "name": shader.name,
-        "shading": shader.shading,
-        "surface": shader.surface,
-        "files": shader.files,
-        "materials": materials,
-    })
+/// The report on written shaders.
+#[derive(Serialize)]
+struct Report<'a> {
+    schema: u32,
+    /// Version of the program.
+    version: &'static str,
+    /// The path of the model, as given; `None` without one.
+    model: Option<Cow<'a, str>>,
+    /// The language.
+    target: &'static str,
+    /// The details of reflection.
+    reflection: ReflectionReport,
+    /// The environment, as given; `None` without one.
+    environment: Option<&'a str>,
+    /// The paths of the written files.
+    files: Vec<String>,
+    /// The shaders.
+    shaders: Vec<Listed<'a>>,
+    /// Problems and corrections.
+    warnings: Vec<Warning>,
+}
+
+/// A written shader.
+#[derive(Serialize)]
+struct Listed<'a> {
+    /// The name that its files begin with.
+    name: &'a str,
+    /// The reflectance model.
+    shading: &'static str,
+    /// The source of shading normals.
+    surface: &'static str,
+    /// The names of its files.
+    files: &'a [String],
+    /// The materials of the model that it draws; empty without a model.
+    materials: Vec<Drawing<'a>>,
+}
+
+/// A material, and the instances on which a shader draws it.
+#[derive(Serialize)]
+struct Drawing<'a> {
+    /// The name of the material; may be empty.
+    name: &'a str,
+    /// Its number, from 0.
+    number: usize,
+    /// The instances, from 0.
+    instances: &'a [usize],
+}
+
+impl<'a> Listed<'a> {
+    fn new(shader: &'a Description) -> Self {
+        let drawn = shader.surfaces.iter().filter(|surface| !surface.instances.is_empty());
+        let materials = drawn.map(|surface| Drawing {
+            name: &surface.material,
+            number: surface.number,
+            instances: &surface.instances,
+        });
+        Self {
+            name: &shader.name,
+            shading: shader.shading,
+            surface: shader.surface,
+            files: &shader.files,
+            materials: materials.collect(),
+        }
+    }
 }

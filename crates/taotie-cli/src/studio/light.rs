@@ -3,7 +3,7 @@
 use crate::{console, options};
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueHint};
-use serde_json::json;
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 use taotie::Limits;
 use taotie::studio::{EnvironmentOptions, EnvironmentSource, LightOptions, LightSpec, View};
@@ -103,17 +103,14 @@ impl LightArgs {
         options.load_within(limits, warnings).context("--env")
     }
 
-    /// Returns the environment as JSON for reports; null if there is none.
-    pub fn environment_json(&self) -> serde_json::Value {
-        match self.environment_name() {
-            None => serde_json::Value::Null,
-            Some(name) => json!({
-                "name": console::name_of(Path::new(name)),
-                "rotate_deg": self.rotation_deg(),
-                "intensity": self.intensity(),
-                "seen": self.show_env,
-            }),
-        }
+    /// Returns the environment for reports; `None` if there is none.
+    pub fn environment_report(&self) -> Option<EnvironmentReport> {
+        self.environment_name().map(|name| EnvironmentReport {
+            name: console::name_of(Path::new(name)),
+            rotate_deg: self.rotation_deg(),
+            intensity: self.intensity(),
+            seen: self.show_env,
+        })
     }
 
     /// Returns the requested lights.
@@ -130,6 +127,19 @@ impl LightArgs {
         options.check()?;
         Ok(options)
     }
+}
+
+/// The environment of a picture, for reports.
+#[derive(Serialize)]
+pub struct EnvironmentReport {
+    /// `studio`, or the name of its file, without folders.
+    name: String,
+    /// Its rotation about the vertical axis, degrees.
+    rotate_deg: f64,
+    /// The factor of its light.
+    intensity: f64,
+    /// `true` if it is visible behind the model.
+    seen: bool,
 }
 
 /// Returns the light on a scene in this view.

@@ -6,8 +6,10 @@ mod light;
 mod surface;
 
 pub use camera::{CameraArgs, FilmArgs, Viewpoint};
-pub use light::{LightArgs, lighting};
-pub use surface::{Green, MaterialArgs, ReflectionArgs, Space, SurfaceArgs};
+pub use light::{EnvironmentReport, LightArgs, lighting};
+pub use surface::{
+    Green, MaterialArgs, MaterialReport, ReflectionArgs, ReflectionReport, Space, SurfaceArgs,
+};
 pub use taotie::studio::{Framing, Motion};
 
 use anyhow::{Result, anyhow};

@@ -3,7 +3,8 @@
 use crate::options;
 use anyhow::{Result, bail};
 use clap::{ArgAction, Args, ValueEnum, ValueHint};
-use serde_json::json;
+use serde::Serialize;
+use std::borrow::Cow;
 use std::path::PathBuf;
 use taotie::studio::{MapOptions, MaterialFactors, MaterialOptions};
 use taotie_engine::Warnings;
@@ -214,24 +215,59 @@ impl MaterialArgs {
         self.green.unwrap_or(Green::Up)
     }
 
-    /// Returns the options as JSON for reports; null by default.
-    pub fn json(&self) -> serde_json::Value {
-        json!({
-            "variant": self.variant,
-            "material": self.material,
-            "base_color": self.base_color.map(Vec3::to_array),
-            "metallic": self.metallic,
-            "roughness": self.roughness,
-            "slope": self.slope,
-            "shininess": self.shininess,
-            "base_color_map": self.base_color_map,
-            "normal_map": self.normal_map,
-            "normal_space": self.normal_space.to_possible_value().map(|value| value.get_name().to_owned()),
-            "green": self.green().to_possible_value().map(|value| value.get_name().to_owned()),
-            "height_map": self.height_map,
-            "occlusion_map": self.occlusion_map,
-        })
+    /// Returns the options for reports.
+    pub fn report(&self) -> MaterialReport<'_> {
+        MaterialReport {
+            variant: self.variant.as_deref(),
+            material: self.material.as_deref(),
+            base_color: self.base_color.map(Vec3::to_array),
+            metallic: self.metallic,
+            roughness: self.roughness,
+            slope: self.slope,
+            shininess: self.shininess,
+            base_color_map: lossy(self.base_color_map.as_ref()),
+            normal_map: lossy(self.normal_map.as_ref()),
+            normal_space: self.normal_space.to_possible_value().map(|value| value.get_name().to_owned()),
+            green: self.green().to_possible_value().map(|value| value.get_name().to_owned()),
+            height_map: lossy(self.height_map.as_ref()),
+            occlusion_map: lossy(self.occlusion_map.as_ref()),
+        }
     }
+}
+
+fn lossy(path: Option<&PathBuf>) -> Option<Cow<'_, str>> {
+    path.map(|path| path.to_string_lossy())
+}
+
+/// The options that replace parts of the model's materials, for reports; `None` keeps the model's.
+#[derive(Serialize)]
+pub struct MaterialReport<'a> {
+    /// The material variant of the file.
+    variant: Option<&'a str>,
+    /// The preset, or the TOML file.
+    material: Option<&'a str>,
+    /// Linear RGB.
+    base_color: Option<[f32; 3]>,
+    /// The metallic factor, [0, 1].
+    metallic: Option<f64>,
+    /// The perceptual roughness, [0, 1].
+    roughness: Option<f64>,
+    /// The slope of `cook-torrance`.
+    slope: Option<f64>,
+    /// The exponent of Phong and Blinn-Phong.
+    shininess: Option<f64>,
+    /// The texture of the base colour.
+    base_color_map: Option<Cow<'a, str>>,
+    /// The normal map.
+    normal_map: Option<Cow<'a, str>>,
+    /// The space of the normal map: `tangent` or `object`.
+    normal_space: Option<String>,
+    /// The green direction of the normal map: `up` or `down`.
+    green: Option<String>,
+    /// The height map.
+    height_map: Option<Cow<'a, str>>,
+    /// The occlusion map.
+    occlusion_map: Option<Cow<'a, str>>,
 }
 
 /// Adds a warning for each option that has no effect on the scene. `height_scale` is the height of white, if given.
@@ -326,12 +362,23 @@ impl ReflectionArgs {
         self.grazing_normals.unwrap_or_default()
     }
 
-    /// Returns the options as JSON for reports.
-    pub fn json(&self) -> serde_json::Value {
-        json!({
-            "energy": self.energy().name(),
-            "specular_aa": self.specular_aa(),
-            "grazing_normals": self.grazing_normals().name(),
-        })
+    /// Returns the options for reports.
+    pub fn report(&self) -> ReflectionReport {
+        ReflectionReport {
+            energy: self.energy(),
+            specular_aa: self.specular_aa(),
+            grazing_normals: self.grazing_normals(),
+        }
     }
+}
+
+/// The details of reflection, for reports.
+#[derive(Serialize)]
+pub struct ReflectionReport {
+    /// How microfacet models treat energy.
+    energy: Energy,
+    /// `true` if relief finer than a pixel widens the highlight.
+    specular_aa: bool,
+    /// How mapped normals that face away from the viewer are treated.
+    grazing_normals: GrazingNormals,
 }

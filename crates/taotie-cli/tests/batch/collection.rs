@@ -2,6 +2,7 @@
 
 use crate::balls::{Ball, SCAN};
 use crate::files::all_files_below;
+use crate::schemas;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -87,15 +88,19 @@ impl Collection {
     pub fn report(&self, line: &str) -> (Option<i32>, Value) {
         let output = self.run(&format!("--json {line}"));
         let stderr = String::from_utf8_lossy(&output.stderr);
-        let report = serde_json::from_slice(&output.stdout);
-        (output.status.code(), report.unwrap_or_else(|error| panic!("{error}: {stderr}")))
+        let report =
+            serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{error}: {stderr}"));
+        schemas::check_printed(["batch"].into_iter().chain(line.split_whitespace()), &report);
+        (output.status.code(), report)
     }
 
     /// Returns all records, in order.
     pub fn records(&self) -> Vec<Value> {
         let text = std::fs::read(self.path("out/manifest.jsonl")).expect("there is a manifest");
         let lines = text.split(|byte| *byte == b'\n').filter(|line| !line.is_empty());
-        lines.filter_map(|line| serde_json::from_slice(line).ok()).collect()
+        let records: Vec<Value> = lines.filter_map(|line| serde_json::from_slice(line).ok()).collect();
+        records.iter().for_each(|record| schemas::check("batch-manifest", record));
+        records
     }
 
     /// Returns the last record of each asset.

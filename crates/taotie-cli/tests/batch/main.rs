@@ -9,6 +9,9 @@ mod common;
 #[allow(dead_code)]
 #[path = "../../../../tests/common/files.rs"]
 mod files;
+#[allow(dead_code)]
+#[path = "../../../../tests/common/schemas.rs"]
+mod schemas;
 
 mod audited;
 mod collection;

@@ -2,6 +2,7 @@
 
 use crate::collection::{Collection, QUICK};
 use crate::files::all_files_below;
+use crate::schemas;
 use serde_json::Value;
 
 #[test]
@@ -16,6 +17,7 @@ fn the_page_links_what_was_made_and_says_what_was_not() {
     let page = read("index.html");
     assert!(page.contains("<title>Balls &amp; more</title>") && page.matches("</script>").count() == 2);
     let data: Value = serde_json::from_str(&read("collection.json")).unwrap();
+    schemas::check("batch-collection", &data);
     let (_, rest) = page.split_once("id=\"data\">").unwrap();
     let inside: Value = serde_json::from_str(rest.split_once("</script>").unwrap().0).unwrap();
     assert_eq!(inside, data);
@@ -39,6 +41,7 @@ fn assets_that_nobody_has_attempted_stand_on_the_page_too() {
     assert_eq!(collection.run("--page-only").status.code(), Some(0));
     let data: Value =
         serde_json::from_slice(&std::fs::read(collection.path("out/collection.json")).unwrap()).unwrap();
+    schemas::check("batch-collection", &data);
     assert_eq!(data["assets"][0]["state"], "waiting");
 }
 

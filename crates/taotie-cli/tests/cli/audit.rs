@@ -2,6 +2,7 @@
 
 use super::models::{TRIANGLE, gltf, square_json};
 use super::place::Place;
+use super::schemas;
 use serde::Deserialize;
 use serde_json::{Value, json};
 use snapbox::str;
@@ -97,7 +98,9 @@ struct Check {
 
 fn report(place: &Place, line: &str, code: i32) -> Report {
     let assert = place.taotie(line).assert().code(code).stderr_eq("");
-    serde_json::from_slice(&assert.get_output().stdout).expect("the document has this form")
+    let document = serde_json::from_slice(&assert.get_output().stdout).expect("stdout is one JSON document");
+    schemas::check("inspect-audit", &document);
+    serde_json::from_value(document).expect("the document has this form")
 }
 
 #[test]

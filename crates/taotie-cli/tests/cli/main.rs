@@ -44,6 +44,7 @@ mod renamed;
 mod render;
 mod running;
 mod same_bits;
+mod schemas;
 mod shader;
 mod sizes;
 mod units;

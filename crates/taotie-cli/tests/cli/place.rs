@@ -1,5 +1,6 @@
 //! A separate folder for each test, in which the command runs.
 
+use super::schemas;
 use serde_json::Value;
 use snapbox::cmd::Command;
 use std::path::{Path, PathBuf};
@@ -64,10 +65,13 @@ impl Place {
         process
     }
 
-    /// Runs a command that must succeed, and returns its stdout as JSON.
+    /// Runs a command that must succeed, and returns its stdout as JSON, which must be as its schema states.
     pub fn json(&self, line: &str) -> Value {
         let assert = self.taotie(line).assert().success();
-        serde_json::from_slice(&assert.get_output().stdout).expect("stdout is one JSON document")
+        let document =
+            serde_json::from_slice(&assert.get_output().stdout).expect("stdout is one JSON document");
+        schemas::check_printed(line.split_whitespace(), &document);
+        document
     }
 }
 

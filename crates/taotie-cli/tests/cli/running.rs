@@ -2,6 +2,7 @@
 
 use super::models::TRIANGLE;
 use super::place::Place;
+use super::schemas;
 use std::process::{Command, Stdio};
 
 /// Runs with a closed stdout; returns the exit code and stderr.
@@ -88,6 +89,7 @@ fn programs_read_progress_as_lines() {
         .filter(|line| line.starts_with('{'))
         .map(|line| serde_json::from_str(line).unwrap())
         .collect();
+    progress.iter().for_each(|line| schemas::check("progress", line));
     assert!(progress.iter().any(|line| line["stage"] == "bake"), "{lines}");
     assert!(progress.iter().all(|line| (0.0..=1.0).contains(&line["done"].as_f64().unwrap())), "{lines}");
     let quiet = place.taotie("render a.obj -o a.png --size 8 --progress --quiet").assert().success();

@@ -2,6 +2,7 @@
 
 use super::models::{TRIANGLE, square_json};
 use super::place::Place;
+use super::schemas;
 use serde_json::{Value, json};
 use snapbox::str;
 use taotie_io::{ExrLayer, write_exr};
@@ -31,7 +32,9 @@ fn names(place: &Place, folder: &str) -> Vec<String> {
 }
 
 fn read_json(place: &Place, name: &str) -> Value {
-    serde_json::from_slice(&place.read(name)).expect("it is JSON")
+    let document = serde_json::from_slice(&place.read(name)).expect("it is JSON");
+    schemas::check("shader-interface", &document);
+    document
 }
 
 #[test]

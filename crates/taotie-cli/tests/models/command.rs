@@ -1,5 +1,6 @@
 //! The command, and numbers in its JSON output.
 
+use crate::schemas;
 use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
@@ -17,7 +18,9 @@ pub fn json(args: &[&str], folder: &Path) -> Value {
         .expect("the command runs");
     let said = String::from_utf8_lossy(&run.stderr);
     assert!(run.status.success(), "{args:?}: {said}");
-    serde_json::from_slice(&run.stdout).expect("stdout is one JSON document")
+    let document = serde_json::from_slice(&run.stdout).expect("stdout is one JSON document");
+    schemas::check_printed(args.iter().copied(), &document);
+    document
 }
 
 pub fn number(report: &Value, path: &str) -> f64 {

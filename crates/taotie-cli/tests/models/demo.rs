@@ -1,5 +1,6 @@
 //! The findings of the demo: the order of the methods, and the effect of motion on each kind of map.
 
+use crate::schemas;
 use serde_json::Value;
 use std::path::Path;
 
@@ -13,6 +14,7 @@ fn demo() -> (tempfile::TempDir, Value) {
         .expect("the command runs");
     assert!(demo.status.success(), "{}", String::from_utf8_lossy(&demo.stderr));
     let report = serde_json::from_slice(&demo.stdout).expect("stdout is one JSON document");
+    schemas::check("demo", &report);
     (folder, report)
 }
 

@@ -7,6 +7,9 @@ mod common;
 mod files;
 #[path = "../../../../tests/common/glb.rs"]
 mod glb;
+#[allow(dead_code)]
+#[path = "../../../../tests/common/schemas.rs"]
+mod schemas;
 #[path = "../../../../tests/common/validator.rs"]
 mod validator;
 

@@ -24,6 +24,19 @@ const SCRIPT: [&str; 8] = [
 /// The JSON-LD context of version 4 of the IIIF Presentation API, the first version with 3D scenes.
 const IIIF_CONTEXT: &str = "http://iiif.io/api/presentation/4/context.json";
 
+/// Version of the page's data.
+const SCHEMA: u32 = 1;
+
+/// The page's data.
+#[derive(Serialize)]
+struct Data<'a> {
+    schema: u32,
+    /// Version of the program.
+    version: &'static str,
+    #[serde(flatten)]
+    gallery: &'a Gallery,
+}
+
 /// The content of a collection page.
 ///
 /// ```
@@ -129,13 +142,8 @@ pub fn html(gallery: &Gallery) -> String {
 
 /// Writes the page's data as JSON.
 pub fn json(gallery: &Gallery) -> String {
-    let all = json!({
-        "schema": 1,
-        "version": env!("CARGO_PKG_VERSION"),
-        "title": gallery.title,
-        "assets": gallery.assets,
-    });
-    all.to_string()
+    let data = Data { schema: SCHEMA, version: env!("CARGO_PKG_VERSION"), gallery };
+    serde_json::to_string(&data).expect("all keys are text")
 }
 
 /// Writes an IIIF Presentation API 4 collection: a manifest with one scene for each asset that has a model. `address`

@@ -1,10 +1,10 @@
 //! `report.json`: the library's report of a comparison with the caller's options.
 
 use serde::Serialize;
-use serde_json::{Value, json};
+use serde_json::Value;
 use taotie::Warning;
 use taotie::comparison::{
-    Comparison, MethodReport, MethodTime, PointReport, Rules, SkippedMethod, SubjectReport,
+    Comparison, MethodReport, MethodTime, Parameters, PointReport, Rules, SkippedMethod, SubjectReport,
 };
 use taotie_engine::{Error, Result};
 
@@ -45,6 +45,19 @@ pub struct Document {
     pub warnings: Vec<Warning>,
 }
 
+/// The inputs of the pictures: those of the comparison, and the caller's.
+#[derive(Serialize)]
+struct DocumentParameters<'a> {
+    #[serde(flatten)]
+    parameters: &'a Parameters,
+    /// The options that replace parts of the model's materials; `None` if there are none.
+    material: &'a Value,
+    /// The environment; `None` if there is none.
+    environment: &'a Value,
+    /// The angle at the top of the heat maps' scale, degrees.
+    heat_top_deg: f64,
+}
+
 /// The options for the files of a comparison.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Options {
@@ -79,10 +92,13 @@ impl Document {
     /// [`Error::Invalid`] if a parameter cannot be written as JSON, which does not occur.
     pub fn new(comparison: &Comparison, options: &Options) -> Result<Self> {
         let report = comparison.report();
-        let mut parameters = serde_json::to_value(&report.parameters).map_err(not_json)?;
-        parameters["material"] = options.material.clone();
-        parameters["environment"] = options.environment.clone();
-        parameters["heat_top_deg"] = json!(options.heat_top_deg);
+        let parameters = DocumentParameters {
+            parameters: &report.parameters,
+            material: &options.material,
+            environment: &options.environment,
+            heat_top_deg: options.heat_top_deg,
+        };
+        let parameters = serde_json::to_value(parameters).map_err(not_json)?;
         Ok(Self {
             schema: SCHEMA,
             kind: "taotie compare",

@@ -16,8 +16,11 @@ const SCHEMA: u32 = 1;
 #[derive(Serialize)]
 struct Document<'a> {
     schema: u32,
+    /// Version of the program.
     version: &'static str,
+    /// The paper.
     source: &'static str,
+    /// The law that the normals of its Table 2 follow.
     law: &'static str,
     #[serde(flatten)]
     study: &'a Study,

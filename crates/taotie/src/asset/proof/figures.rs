@@ -60,7 +60,9 @@ mod unit_as_json {
 
     #[derive(Serialize, Deserialize)]
     struct Fields {
+        /// The unit of all lengths, that of the scan's coordinates; `None` if unknown.
         unit: Option<Unit>,
+        /// Its size in metres; `None` if unknown.
         #[serde(skip_deserializing)]
         metres_per_unit: Option<f64>,
     }

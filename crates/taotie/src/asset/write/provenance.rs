@@ -1,16 +1,17 @@
 //! The provenance that an asset records about itself: all parameters of its bake, as one JSON document in its XMP
 //! metadata.
 
-use crate::asset::ask::{BakeOptions, MeshSource, Packing, RayDistance, requirement};
+use crate::asset::ask::{BakeOptions, Lod, MeshSource, Packing, RayDistance, requirement};
 use crate::asset::bake::Made;
 use crate::asset::source::{ScanOptions, is_gltf};
-use serde_json::{Value, json};
+use serde_json::Value;
 use std::fmt;
 use std::path::Path;
+use taotie_engine::bake::MapKind;
 use taotie_engine::error::Result;
 use taotie_engine::length::Unit;
 use taotie_engine::names::Named;
-use taotie_engine::scene::GreenChannel;
+use taotie_engine::scene::{GreenChannel, NormalSpace};
 use taotie_io::{Json, Limits, Loaded, Provenance, XmpProperties};
 
 /// The options and packing of a bake, as a JSON document.
@@ -27,6 +28,81 @@ use taotie_io::{Json, Limits, Loaded, Provenance, XmpProperties};
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 #[serde(transparent)]
 pub struct Parameters(Value);
+
+/// The content of [`Parameters`].
+#[derive(serde::Serialize)]
+struct Fields<'a> {
+    /// The requested number of triangles; `None` if the mesh was given or searched for.
+    triangles: Option<u32>,
+    /// The requirements that the smallest asset had to meet, as for `--require`; `None` without a search.
+    goal: Option<String>,
+    /// The largest number of bytes; `None` if any is allowed.
+    bytes: Option<u64>,
+    /// The coarser levels of detail.
+    lods: &'a [Lod],
+    /// Texels along a side of the maps, or across and down; `None` if searched for.
+    size: Sides,
+    /// The maps baked.
+    maps: Vec<MapKind>,
+    /// The space of the normal map.
+    space: NormalSpace,
+    /// Samples per texel.
+    samples: u32,
+    /// Bits per channel of normals.
+    bits: u8,
+    /// Texels by which islands are extended.
+    dilation: Auto,
+    /// Rays per texel for ambient occlusion.
+    ao_rays: u32,
+    /// The distance beyond which nothing occludes, model units; `None` for no limit.
+    ao_distance: Option<f64>,
+    /// The roughness of the asset; `None` for that of the scan, [0, 1].
+    roughness: Option<f64>,
+    /// The length of projection rays, model units.
+    ray_distance: Auto,
+    /// The name of the cage's file; `None` without a cage.
+    cage: Option<String>,
+    /// The formats of the textures, as for `--images`.
+    images: String,
+    /// The formats that the search may choose from.
+    image_formats: Vec<&'static str>,
+    /// `true` if geometry is compressed by meshoptimizer.
+    meshopt: bool,
+    /// The set of codecs that the search may use, as for `--codecs`.
+    codecs: &'static str,
+    /// Bits of each coordinate of a position; `None` without compression.
+    position_bits: Option<u8>,
+    /// Bits of each coordinate of a normal; `None` without compression.
+    normal_bits: Option<u8>,
+    /// The green direction of maps next to the asset.
+    green: GreenChannel,
+    /// The angle above which edges of the scan are creases, degrees.
+    crease_angle_deg: Auto,
+    /// The green direction of the scan's normal maps: `up`, `down` or `auto`.
+    scan_green: &'static str,
+    /// The unit of the scan's coordinates, if specified.
+    unit: Option<Unit>,
+}
+
+/// A number, or `auto`.
+#[derive(serde::Serialize)]
+#[serde(untagged)]
+enum Auto {
+    /// The number.
+    Given(f64),
+    /// `auto`.
+    Auto(&'static str),
+}
+
+/// The size of maps, texels.
+#[derive(serde::Serialize)]
+#[serde(untagged)]
+enum Sides {
+    /// Along both sides; `None` if searched for.
+    Square(Option<u32>),
+    /// Across and down.
+    Both([u32; 2]),
+}
 
 /// The command that these parameters belong to.
 const RUN: &str = "taotie bake";
@@ -83,43 +159,44 @@ impl fmt::Display for Parameters {
 impl Parameters {
     /// Collects the options; files are named without their folders, which are private.
     pub(in crate::asset) fn new(options: &BakeOptions, scan: &ScanOptions, packing: &Packing) -> Self {
-        let auto = |value: Option<f64>| value.map_or(json!("auto"), |value| json!(value));
+        let auto = |value: Option<f64>| value.map_or(Auto::Auto("auto"), Auto::Given);
         let searched = options.searches();
         let (distance, cage) = match &options.ray_distance {
             RayDistance::Auto => (None, None),
             RayDistance::Uniform(distance) => (Some(*distance), None),
             RayDistance::Cage(source) => (None, Some(source)),
         };
-        Self(json!({
-            "triangles": (options.low.is_none() && !searched).then_some(options.triangles),
-            "goal": options.goal.as_deref().map(requirement::argument),
-            "bytes": options.bytes,
-            "lods": options.lods.iter().map(|level| level.json()).collect::<Vec<_>>(),
-            "size": match options.is_square() {
-                true => json!((!searched).then_some(options.size)),
-                false => json!(options.map_size()),
+        let fields = Fields {
+            triangles: (options.low.is_none() && !searched).then_some(options.triangles),
+            goal: options.goal.as_deref().map(requirement::argument),
+            bytes: options.bytes,
+            lods: &options.lods,
+            size: match options.is_square() {
+                true => Sides::Square((!searched).then_some(options.size)),
+                false => Sides::Both(options.map_size()),
             },
-            "maps": options.maps.iter().map(|map| map.name()).collect::<Vec<_>>(),
-            "space": options.space.name(),
-            "samples": options.side * options.side,
-            "bits": options.bits,
-            "dilation": auto(options.dilation.map(f64::from)),
-            "ao_rays": options.ao_rays,
-            "ao_distance": options.ao_distance,
-            "roughness": options.roughness,
-            "ray_distance": auto(distance),
-            "cage": cage.and_then(MeshSource::name),
-            "images": packing.images.to_string(),
-            "image_formats": options.images.iter().map(|kind| kind.name()).collect::<Vec<_>>(),
-            "meshopt": packing.meshopt,
-            "codecs": packing.codecs.name(),
-            "position_bits": packing.meshopt.then_some(packing.bits.positions),
-            "normal_bits": packing.meshopt.then_some(packing.bits.normals),
-            "green": packing.green.name(),
-            "crease_angle_deg": auto(scan.crease_angle_deg),
-            "scan_green": scan.green.map_or("auto", Named::name),
-            "unit": scan.unit.map(Unit::name),
-        }))
+            maps: options.maps.iter().copied().collect(),
+            space: options.space,
+            samples: options.side * options.side,
+            bits: options.bits,
+            dilation: auto(options.dilation.map(f64::from)),
+            ao_rays: options.ao_rays,
+            ao_distance: options.ao_distance,
+            roughness: options.roughness,
+            ray_distance: auto(distance),
+            cage: cage.and_then(MeshSource::name),
+            images: packing.images.to_string(),
+            image_formats: options.images.iter().map(|kind| kind.name()).collect(),
+            meshopt: packing.meshopt,
+            codecs: packing.codecs.name(),
+            position_bits: packing.meshopt.then_some(packing.bits.positions),
+            normal_bits: packing.meshopt.then_some(packing.bits.normals),
+            green: packing.green,
+            crease_angle_deg: auto(scan.crease_angle_deg),
+            scan_green: scan.green.map_or("auto", Named::name),
+            unit: scan.unit,
+        };
+        Self(serde_json::to_value(fields).unwrap_or_default())
     }
 
     /// Returns the parameters as an asset records them: the command and its options.
