@@ -3,7 +3,7 @@
 
     make dist                             # for this machine: the static program, its wheel, and the source
     make dist TARGETS="TRIPLE TRIPLE"     # for others
-    make dist TARGETS=all                 # for all; what cannot be linked here is only checked
+    make dist TARGETS=all                 # for all; targets that cannot be linked here are only checked
 """
 
 from __future__ import annotations

@@ -43,7 +43,7 @@ def with_licences(built: Path, third_party: bytes) -> Path:
         if first not in text:
             raise SystemExit(f"make dist: {built.name}: METADATA lacks `{first.strip()}`: correct dist/wheels.py")
         facts.write_text(text.replace(first, f"{first}License-File: THIRD-PARTY.html\n", 1), encoding="utf-8", newline="\n")
-        # Packed alone: the tool sorts the platforms in the name.
+        # The tool sorts the platforms in the name.
         toolchain.run([sys.executable, "-m", "wheel", "pack", "--dest-dir", folder, str(unpacked)], environment)
         (packed,) = Path(folder).glob("*.whl")
         return Path(shutil.move(packed, place.OUTPUT / packed.name))

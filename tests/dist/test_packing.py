@@ -1,4 +1,4 @@
-"""What `make dist` packs: the same bytes for the same content, and every file that installers expect."""
+"""Files of `make dist`: the same bytes for the same content, and every file that installers expect."""
 
 from __future__ import annotations
 
