@@ -49,7 +49,8 @@ fn blocks() -> Vec<Block> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let docs = root.join("docs");
     let folders = [docs.clone(), docs.join("tutorials")];
-    let is_page = |path: &PathBuf| path.parent().is_some_and(|folder| folders.iter().any(|one| one == folder));
+    let is_page =
+        |path: &PathBuf| path.parent().is_some_and(|folder| folders.iter().any(|one| one == folder));
     let pages = files_below(&docs, &["md"]).into_iter().filter(is_page);
     std::iter::once(root.join("README.md")).chain(pages).flat_map(|page| blocks_of(&page)).collect()
 }
