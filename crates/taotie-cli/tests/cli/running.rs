@@ -81,8 +81,9 @@ fn quiet_leaves_errors_alone() {
 
 #[test]
 fn programs_read_progress_as_lines() {
-    let place = Place::with("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-    let assert = place.taotie("bake a.obj -o a.glb --triangles 1 --size 32 --progress").assert().success();
+    let solid = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+    let place = Place::with("a.obj", solid);
+    let assert = place.taotie("bake a.obj -o a.glb --triangles 4 --size 32 --progress").assert().success();
     let lines = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
     let progress: Vec<serde_json::Value> = lines
         .lines()
