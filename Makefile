@@ -11,18 +11,15 @@ help: ## List these commands
 QUICK = architecture comparison fuzz images io memory memory_of_documents options oracle pixel recorded render shaders translation turntable
 SLOW = batch browser cli features jue laws models python webgl workflow
 
-# Released programs have these features.
-RELEASED = --features taotie-cli/mcp
-
 test: tools ## Check formatting and run the quick tests
 	cargo fmt --all --check
-	cargo test --workspace $(RELEASED) --lib --bins $(addprefix --test ,$(QUICK))
+	cargo test --workspace --lib --bins $(addprefix --test ,$(QUICK))
 
 test-slow: tools ## Check lints, documentation and features, and run the other tests: with `make test`, all that CI runs
-	cargo clippy --workspace $(RELEASED) --all-targets -- -D warnings
+	cargo clippy --workspace --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --no-deps --workspace
-	cargo test --workspace $(RELEASED) $(addprefix --test ,$(SLOW))
-	cargo test --workspace $(RELEASED) --doc
+	cargo test --workspace $(addprefix --test ,$(SLOW))
+	cargo test --workspace --doc
 	$(MAKE) features
 	@if $(MAKE) --no-print-directory $(SITE)/venv/ready; then $(MAKE) --no-print-directory site-check; else \
 	echo "Install Python 3.10 or later with venv: without Sphinx the pages are not checked." >&2; test "$$CI" != true; fi

@@ -55,7 +55,7 @@ struct List<'a> {
 struct Entry {
     /// Its name, for `--material`.
     name: &'static str,
-    /// What it is, in words.
+    /// A description.
     what: &'static str,
     /// The source of its colours.
     source: &'static str,

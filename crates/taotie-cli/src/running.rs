@@ -5,7 +5,7 @@ use anyhow::{Context, Result};
 use clap::Args;
 use taotie::{Bytes, Limits};
 use taotie_engine::math::SimdLevel;
-use taotie_engine::parallel::HAS_THREADS;
+use taotie_engine::progress::HAS_THREADS;
 
 /// Memory, and the files that a model may reference.
 #[derive(Args)]

@@ -8,9 +8,6 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-/// False for WebAssembly, which has one thread: loops and [`Progress::apart`](crate::progress::Progress::apart) run on it.
-pub const HAS_THREADS: bool = !cfg!(target_family = "wasm");
-
 /// The maximum number of elements a thread takes at a time.
 const LONGEST: usize = 4096;
 

@@ -1,11 +1,13 @@
 //! The progress of long work, and its cancellation.
 
 use crate::error::{Error, Result};
-use crate::parallel::HAS_THREADS;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::Duration;
+
+/// False for WebAssembly, which has one thread: loops and [`Progress::apart`] run on it.
+pub const HAS_THREADS: bool = !cfg!(target_family = "wasm");
 
 /// How often a listener is asked whether to continue while work runs on other threads.
 const POLL: Duration = Duration::from_millis(20);

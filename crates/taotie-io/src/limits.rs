@@ -163,7 +163,7 @@ pub fn free_memory() -> Option<u64> {
     [of_system, of_groups, of_process, module_memory()].into_iter().flatten().min()
 }
 
-/// Returns what a WebAssembly module can still use of its 4 GiB, less an eighth, which fragments waste.
+/// Returns the memory that a WebAssembly module can still use of its 4 GiB, less an eighth for fragments.
 #[cfg(target_family = "wasm")]
 fn module_memory() -> Option<u64> {
     const PAGE: u64 = 1 << 16;

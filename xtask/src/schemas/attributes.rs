@@ -1,4 +1,4 @@
-//! What Serde and the documentation say about a type, a field or a variant.
+//! Attributes of Serde and documentation of a type, a field or a variant.
 
 use anyhow::{Result, bail};
 use syn::{Attribute, Expr, ExprLit, Lit, LitStr, Meta, Token};

@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use syn::{Expr, ExprLit, Fields, GenericArgument, ItemEnum, ItemStruct, Lit, PathArguments, Type, Variant};
 
-/// What types do not declare themselves, by `Type` or `Type.field`.
+/// Declarations that types lack, by `Type` or `Type.field`.
 pub type Exceptions = BTreeMap<&'static str, Exception>;
 
 /// The schema of a value whose type does not declare it.

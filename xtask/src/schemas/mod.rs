@@ -105,7 +105,7 @@ impl Printed {
     }
 }
 
-/// Returns what types do not declare themselves: values with code of their own for writing, and untyped values.
+/// Returns the declarations that types lack: values with separate code for writing, and untyped values.
 fn exceptions() -> Exceptions {
     let number = json!({ "type": "number" });
     let vector = json!({ "type": "array", "items": number, "minItems": 3, "maxItems": 3 });

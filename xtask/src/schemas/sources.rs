@@ -28,7 +28,7 @@ pub struct Declaration {
     pub declared: Declared,
 }
 
-/// What a file imports, and its integer constants.
+/// The imports and integer constants of a file.
 #[derive(Default)]
 pub struct SourceFile {
     module: Vec<String>,

@@ -137,7 +137,7 @@ struct Report {
     b: File,
     /// Pixels across and down.
     size: [u32; 2],
-    /// What the files were compared as: `pictures` or `normals`.
+    /// The kind of comparison: `pictures` or `normals`.
     compared_as: &'static str,
     /// True if every stored number is the same in both.
     equal: bool,

@@ -187,14 +187,3 @@ fn without_a_client_the_server_ends() {
     place.write("file", "");
     place.taotie("mcp file").assert().code(2).stderr_eq("taotie: error: file: not a folder\n");
 }
-
-#[test]
-fn the_page_shows_the_help() {
-    let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/mcp.md")).unwrap();
-    let assert = Place::new().taotie("mcp --help").assert().success();
-    let help = String::from_utf8_lossy(&assert.get_output().stdout).into_owned();
-    assert!(
-        page.contains(&format!("```text\n{}\n```", help.trim_end())),
-        "docs/mcp.md needs this text:\n{help}"
-    );
-}
