@@ -33,10 +33,18 @@ pub fn faults(name: &str, document: &Value) -> Vec<String> {
     validator.iter_errors(document).map(|error| format!("{}: {error}", error.instance_path())).collect()
 }
 
+/// Returns the number of the schema with this name.
+pub fn number(name: &str) -> u64 {
+    schema(name)["properties"]["schema"]["const"].as_u64().expect("the schema has a number")
+}
+
 /// Returns the schema with this name, to validate many documents.
 pub fn validator(name: &str) -> Validator {
+    jsonschema::draft202012::new(&schema(name)).expect("the schema is valid")
+}
+
+fn schema(name: &str) -> Value {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../docs/schemas/{name}.json"));
     let text = std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    let schema: Value = serde_json::from_slice(&text).expect("the schema is JSON");
-    jsonschema::draft202012::new(&schema).expect("the schema is valid")
+    serde_json::from_slice(&text).expect("the schema is JSON")
 }
