@@ -1,5 +1,6 @@
 //! Schemas describe documents completely: any other field, missing field or other type is refused.
 
+#[allow(dead_code)]
 #[path = "../../../../tests/common/schemas.rs"]
 mod common;
 #[allow(dead_code)]

@@ -175,7 +175,7 @@ impl Parameters {
                 true => Sides::Square((!searched).then_some(options.size)),
                 false => Sides::Both(options.map_size()),
             },
-            maps: options.maps.iter().copied().collect(),
+            maps: options.maps.to_vec(),
             space: options.space,
             samples: options.side * options.side,
             bits: options.bits,
