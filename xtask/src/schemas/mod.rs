@@ -6,7 +6,7 @@
 //!
 //! - `[0, 1]` in the documentation of a floating-point number is its range;
 //! - `` `up` or `down` `` at the start of the documentation of a text, or after a colon, are its values;
-//! - "the name of its [`Shading`]" gives it the values of that enum;
+//! - "the name of its `[Shading]`" gives it the values of that enum;
 //! - a number that may be infinite or NaN is null then.
 //!
 //! The tests of the command validate every document that they print.
