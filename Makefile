@@ -283,6 +283,7 @@ PYTHON_VENV = target/python
 python: $(PYTHON_VENV)/ready ## Build the Python package into target/python, and run its tests and type checkers
 	VIRTUAL_ENV=$(CURDIR)/$(PYTHON_VENV) $(PYTHON_VENV)/bin/maturin develop --profile dev --quiet
 	$(PYTHON_VENV)/bin/python -m pytest
+	$(PYTHON_VENV)/bin/python -m pytest tests/dist
 	$(PYTHON_VENV)/bin/mypy
 	$(PYTHON_VENV)/bin/mypy python/tests/typed.py
 	$(PYTHON_VENV)/bin/pyright --pythonpath $(PYTHON_VENV)/bin/python

@@ -1,4 +1,5 @@
-//! The Python package as cargo built it: the tests in `python/tests`, except for slow ones, and its types.
+//! The Python package as cargo built it: the tests in `python/tests`, except for slow ones, and in `tests/dist`, and
+//! its types.
 #![allow(clippy::print_stdout, reason = "tests print their findings")]
 
 #[allow(dead_code)]
@@ -78,6 +79,14 @@ fn module() -> [String; 2] {
 fn its_tests_pass() {
     if let Some(package) = Package::find("python") {
         package.run(&["pytest", "-m", "not slow", "-p", "no:cacheprovider", "--durations=8"]);
+    }
+}
+
+/// Installers, recipes, the action, the hook and workflows, with the command of the package.
+#[test]
+fn what_surrounds_a_release_works() {
+    if let Some(package) = Package::find("python-release") {
+        package.run(&["pytest", "-p", "no:cacheprovider", "--durations=8", "tests/dist"]);
     }
 }
 
