@@ -298,7 +298,7 @@ wheel: $(PYTHON_VENV)/ready ## Build a wheel for this machine into target/wheels
 	$(PYTHON_VENV)/bin/maturin build --release
 
 # TARGETS lists triples, or is `all`; targets that cannot be linked here are only checked. The date of all files is SOURCE_DATE_EPOCH
-# or that of the commit: two builds of a commit are equal.
+# or that of the commit.
 DIST_VENV = target/dist-build/venv
 dist: $(DIST_VENV)/ready ## Build programs and wheels for others into target/dist, for this machine or TARGETS: docs/install.md
 	$(DIST_VENV)/bin/python dist/build.py $(TARGETS)
