@@ -36,7 +36,8 @@ def main() -> None:
     os.umask(0o022)
     shutil.rmtree(place.OUTPUT, ignore_errors=True)
     place.OUTPUT.mkdir(parents=True)
-    toolchain.add_targets({target.triple for target in chosen} | {wheel.triple for target in chosen for wheel in target.wheels})
+    # The licences and manual pages come from a program that runs here.
+    toolchain.add_targets(targets.triples(chosen) | {targets.host()})
 
     third_party = write_bill()
     wheels.source()
@@ -57,7 +58,6 @@ def write_bill() -> bytes:
     """Write the bill of materials; return the page of licences."""
     crates = packages.crates()
     contained = crates + libraries.all_of(crates)
-    # The page first: it reads the texts.
     page = licences.page(contained)
     (place.OUTPUT / f"taotie-{place.version()}.cdx.json").write_bytes(bill.written(contained))
     return page

@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import place
+import targets
 import toolchain
-from targets import ALL
 
 SHIPPED = ("taotie-cli", "taotie-py")
 
@@ -63,9 +63,9 @@ def licence_of(entry: dict) -> str:
 def names() -> set[tuple[str, str]]:
     """Return names and versions of the crates that are linked, not those that only run while others are compiled."""
     found = set()
-    for triple in sorted({target.triple for target in ALL} | {wheel.triple for target in ALL for wheel in target.wheels}):
+    for triple in sorted(targets.triples(targets.ALL) | {targets.WASM}):
         options = [part for name in SHIPPED for part in ("--package", name)]
         edges = ["--edges", "normal,no-proc-macro", "--prefix", "none", "--format", "{p}"]
-        tree = toolchain.output(["cargo", "tree", "--locked", "--target", triple, *options, *edges])
+        tree = toolchain.output(["cargo", "tree", "--locked", "--target", triple, *options, *toolchain.FEATURES, *edges])
         found |= {(line.split()[0], line.split()[1].removeprefix("v")) for line in tree.splitlines() if line.strip()}
     return found

@@ -23,4 +23,4 @@ def check(target: Target) -> None:
 
 def options(target: Target) -> list[str | Path]:
     features = ["--no-default-features"] if target.is_static else []
-    return ["--locked", "--profile", "dist", "--package", "taotie-cli", *features, "--features", "mcp", "--target", target.triple]
+    return ["--locked", "--profile", "dist", "--package", "taotie-cli", *features, *toolchain.FEATURES, "--target", target.triple]

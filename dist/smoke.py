@@ -8,7 +8,6 @@ import subprocess
 import tempfile
 from pathlib import Path
 
-STEPS = 16
 # The start of the message for what a static program cannot do.
 NO_GPU = "--device gpu: this build cannot load graphics drivers"
 
@@ -40,17 +39,17 @@ def expect(folder: Path, arguments: list[str], code: int, message: str) -> None:
         raise SystemExit(f"make dist: taotie {' '.join(arguments)}: exit code {done.returncode}, expected {code} with `{message}`:\n{done.stderr}")
 
 
-def ball() -> str:
+def ball(steps: int = 16) -> str:
     """Return a bumpy ball as OBJ."""
     lines = []
-    for row in range(STEPS + 1):
-        for column in range(STEPS):
-            polar, around = math.pi * row / STEPS, 2 * math.pi * column / STEPS
+    for row in range(steps + 1):
+        for column in range(steps):
+            polar, around = math.pi * row / steps, 2 * math.pi * column / steps
             radius = 1 + 0.05 * math.sin(5 * around) * math.sin(polar)
             x, y = radius * math.sin(polar) * math.cos(around), radius * math.sin(polar) * math.sin(around)
             lines.append(f"v {x:.6f} {radius * math.cos(polar):.6f} {-y:.6f}")
-    for row in range(STEPS):
-        for column in range(STEPS):
-            here, right = row * STEPS + column + 1, row * STEPS + (column + 1) % STEPS + 1
-            lines.append(f"f {here} {here + STEPS} {right + STEPS} {right}")
+    for row in range(steps):
+        for column in range(steps):
+            here, right = row * steps + column + 1, row * steps + (column + 1) % steps + 1
+            lines.append(f"f {here} {here + steps} {right + steps} {right}")
     return "\n".join(lines) + "\n"

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 MANYLINUX = "manylinux2014"
 MUSLLINUX = "musllinux_1_2"
+# The command for browsers and Node: `make wasm`.
+WASM = "wasm32-wasip1"
 
 
 @dataclass(frozen=True)
@@ -70,6 +72,11 @@ def host() -> str:
     processor = {"amd64": "x86_64", "arm64": "aarch64"}.get(platform.machine().lower(), platform.machine().lower())
     system = {"linux": "unknown-linux-musl", "darwin": "apple-darwin", "win32": "pc-windows-gnu"}
     return f"{processor}-{system.get(sys.platform, sys.platform)}"
+
+
+def triples(chosen: list[Target] | tuple[Target, ...]) -> set[str]:
+    """Return the triples of programs and wheels."""
+    return {target.triple for target in chosen} | {wheel.triple for target in chosen for wheel in target.wheels}
 
 
 def chosen(names: list[str]) -> list[Target]:

@@ -10,6 +10,9 @@ from pathlib import Path
 
 import place
 
+# The features of released programs, in addition to the default ones.
+FEATURES = ["--features", "taotie-cli/mcp"]
+
 
 def run(command: list[str | Path], environment: dict[str, str] | None = None) -> None:
     """Run a command in the repository and show its output; end with a message if it fails."""

@@ -8,22 +8,22 @@ from pathlib import Path
 
 import place
 import toolchain
+from targets import WASM
 
-TRIPLE = "wasm32-wasip1"
 OUTPUT = place.ROOT / "target/wasm/taotie.wasm"
 
 
 def main() -> None:
-    toolchain.add_targets({TRIPLE})
+    toolchain.add_targets({WASM})
     environment = toolchain.environment()
     environment["CARGO_ENCODED_RUSTFLAGS"] += "\x1f-Ctarget-feature=+simd128"
     toolchain.run([
         "cargo-zigbuild", "rustc", "--locked", "--profile", "dist", "--config", "profile.dist.lto=\"thin\"",
-        "--package", "taotie-cli", "--bin", "taotie", "--no-default-features", "--target", TRIPLE,
+        "--package", "taotie-cli", "--bin", "taotie", "--no-default-features", "--target", WASM,
         "--", f"-Clink-arg={allocation()}",
     ], environment)
     OUTPUT.parent.mkdir(parents=True, exist_ok=True)
-    shutil.copyfile(place.BUILD / TRIPLE / "dist/taotie.wasm", OUTPUT)
+    shutil.copyfile(place.BUILD / WASM / "dist/taotie.wasm", OUTPUT)
     print(f"{OUTPUT.relative_to(place.ROOT)}: {OUTPUT.stat().st_size:,} bytes")
 
 

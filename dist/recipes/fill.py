@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Fills the recipes for conda, Homebrew and winget with the version and checksums of a release.
 
-    python dist/recipes/fill.py target/dist/SHA256SUMS target/dist/recipes
+    python dist/recipes/fill.py release/SHA256SUMS recipes
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ class Release:
 
     def listed(self, name: str) -> str:
         if name not in self.checksums:
-            raise SystemExit(f"{self.sums}: does not list {name}: build all targets with `make dist TARGETS=all`")
+            raise SystemExit(f"{self.sums}: does not list {name}: merge the builds of all targets with dist/merge.sh")
         return name
 
 

@@ -10,11 +10,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import targets
 from conftest import ROOT
 
 FILL = ROOT / "dist/recipes/fill.py"
 VERSION = re.search(r'^version = "(.*)"', (ROOT / "Cargo.toml").read_text(), re.MULTILINE)[1]  # type: ignore[index]
-TARGETS = ["x86_64-unknown-linux-musl", "aarch64-unknown-linux-musl", "x86_64-apple-darwin", "aarch64-apple-darwin"]
+TARGETS = [target.triple for target in targets.ALL if not target.is_windows]
 NAMES = [f"taotie-{VERSION}-{target}.tar.gz" for target in TARGETS] + [f"taotie-{VERSION}-x86_64-pc-windows-gnu.zip", f"taotie-{VERSION}.tar.gz"]
 # What winget's schema 1.10.0 requires of each kind of file.
 NEEDED = {"version": {"DefaultLocale"}, "installer": {"Installers"},
