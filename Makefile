@@ -207,7 +207,7 @@ docs: ## Regenerate docs/help, and the tables and images of docs/as-printed.md
 errors: ## Measure every approximation again for docs/errors.md; ENVIRONMENTS=FOLDER also under its .hdr and .exr files
 	cargo run --release -p xtask -- errors $(if $(ENVIRONMENTS),--environments $(ENVIRONMENTS))
 
-# The tests need 400 MB for Blender, which is a Python package for Python 3.11; with another version they are skipped.
+# The tests need Blender, a Python package for Python 3.11 (docs/blender.md); with another version they are skipped.
 # TAOTIE=/path/to/taotie is the program of the tests instead of a new one.
 BLENDER = target/blender
 blender: ## Pack the add-on for Blender into target/blender, and test it in Blender
@@ -234,7 +234,7 @@ viewer/node_modules/esbuild: viewer/package-lock.json
 	$(INSTALL) viewer
 
 # These three need the command as WebAssembly: that of `make wasm`, or TAOTIE_WASM=/path/to/taotie.wasm.
-npm: viewer npm/taotie-wasm/node_modules/esbuild ## Build the npm packages into target/npm
+npm: viewer/node_modules/esbuild npm/taotie-wasm/node_modules/esbuild ## Build the npm packages into target/npm
 	mkdir -p target/npm
 	for folder in viewer npm/taotie-wasm npm/taotie; do (cd $$folder && npm pack --silent --pack-destination $(CURDIR)/target/npm) || exit; done
 
@@ -250,7 +250,6 @@ WASM = $(or $(TAOTIE_WASM),target/wasm/taotie.wasm)
 test-web: ## Test the npm package in Node and the page in Chromium and Firefox against the native program
 	@if test ! -f $(WASM); then echo "skipped: no $(WASM)"; else $(MAKE) --no-print-directory tested-web; fi
 
-.PHONY: tested-web
 tested-web: export TAOTIE := $(or $(TAOTIE),$(CURDIR)/target/release/taotie)
 tested-web: export FOLDER := $(CURDIR)/target/tmp/web
 tested-web: npm web

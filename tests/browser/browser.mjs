@@ -25,6 +25,9 @@ export const launch = (args) => (isFirefox ? launchFirefox() : chromium.launch({
 // The requests and complaints of each page.
 const heard = new WeakMap();
 
+// The addresses that a page requested.
+export const requests = (page) => heard.get(page).requests;
+
 // Exceptions and console messages of a page.
 export const complaints = (page) => heard.get(page).complaints;
 

@@ -2,19 +2,18 @@
 // native program, whose asset must be the same.
 
 import assert from "node:assert/strict";
-import { readFileSync } from "node:fs";
 import { readFile } from "node:fs/promises";
 import { createServer } from "node:http";
 import path from "node:path";
 import { after, test } from "node:test";
 import { fileURLToPath, pathToFileURL } from "node:url";
+import axe from "axe-core";
 import { bytes, folder as scans, native } from "../../npm/taotie-wasm/test/native.mjs";
-import { complaints, isFirefox, newPage, saved, settle } from "./browser.mjs";
+import { complaintsOfReader, newPage, requests, saved, settle } from "./browser.mjs";
 import { launchWebGl } from "./viewer.mjs";
 
 const WEB = fileURLToPath(new URL("../../target/web", import.meta.url));
 const SITE = path.join(WEB, "site");
-const AXE = readFileSync(fileURLToPath(import.meta.resolve("axe-core/axe.min.js")), "utf8");
 const RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa"];
 const SECONDS = 1000;
 const PATIENCE = 240 * SECONDS;
@@ -39,8 +38,6 @@ const scan = (name) => path.join(scans, name);
 
 async function opened(address, size = [1280, 900]) {
     const page = await newPage(browser, size);
-    page.asked = [];
-    page.on("request", (request) => page.asked.push(request.url()));
     await page.goto(address);
     await page.waitForSelector("#pick-example");
     return page;
@@ -65,14 +62,11 @@ async function bakeAgain(page, choices) {
     return finished(page);
 }
 
-// Playwright adds styles and scripts that the page's policy blocks.
-const isOwn = (text) => !/Content[ -]Security[ -]Policy.*inline style/.test(text) && !text.includes("GPU stall");
-
 /** Fails if anything but the page's own files was asked for, or if the browser complained. */
 function assertQuiet(page) {
-    assert.deepEqual(complaints(page).filter(isOwn), []);
-    const isInside = (url) => /^(blob|data):/.test(url) || url.startsWith(isFirefox ? `${origin}/` : origin) || url.startsWith(pathToFileURL(WEB).href);
-    assert.deepEqual(page.asked.filter((url) => !isInside(url)), []);
+    assert.deepEqual(complaintsOfReader(page), []);
+    const isInside = (url) => /^(blob|data):/.test(url) || url.startsWith(`${origin}/`) || url.startsWith(pathToFileURL(WEB).href);
+    assert.deepEqual(requests(page).filter((url) => !isInside(url)), []);
 }
 
 const stateOf = (page) => page.evaluate(() => document.querySelector("taotie-viewer")?.state);
@@ -145,8 +139,8 @@ test("errors are the program's words, and a later scan works", async () => {
 test("every state is accessible, at every width, by keyboard", async () => {
     const page = await opened(ADDRESSES["a server"]);
     const check = async (state) => {
-        await page.evaluate(AXE).catch(() => page.addScriptTag({ content: AXE }));
-        const { violations } = await page.evaluate((values) => axe.run({ runOnly: { type: "tag", values } }), RULES);
+        await page.evaluate(axe.source);
+        const { violations } = await page.evaluate((values) => window.axe.run({ runOnly: { type: "tag", values } }), RULES);
         const found = violations.map(({ id, nodes }) => `${state}: ${id}: ${nodes.map(({ target }) => target).join(", ")}`);
         assert.deepEqual(found, []);
         for (const width of [320, 480, 1600]) {

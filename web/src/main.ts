@@ -3,7 +3,9 @@
 import { type Baked, type Request, bake, viewWithScan } from "./bake.js";
 import { byId, download, freeDownloads } from "./dom.js";
 import { type Files, noScan, ofDrop, ofList, scansIn } from "./files.js";
-import { part, unpacked } from "./parts.js";
+import { messageOf } from "../../npm/taotie-wasm/src/lines.js";
+import { unpacked } from "../../npm/taotie-wasm/src/program.js";
+import { part } from "./parts.js";
 import { Report, mainFigure, showProof } from "./proof.js";
 import { explain, hide, show } from "./show.js";
 import { Work } from "./work.js";
@@ -30,7 +32,7 @@ let earlier: string[][] = [];
 
 function fail(error: unknown): void {
     const failure = byId("failure");
-    failure.textContent = error instanceof Error ? error.message : String(error);
+    failure.textContent = messageOf(error);
     failure.hidden = false;
 }
 
@@ -51,14 +53,12 @@ function take(taken: Files, choices: Record<string, string> = {}): void {
     byId("bake").hidden = false;
     form.hidden = scans.length === 0;
     if (scans.length > 0) return void work(false);
-    byId("failure").hidden = true;
     fail(noScan(files));
 }
 
 function requestOf(searches: boolean): Request {
-    const { scan, triangles, size, distance } = Object.fromEntries(new FormData(form)) as Record<string, string>;
-    const titled = { triangles: triangles ?? "", size: size ?? "", distance: distance ?? "" };
-    return { files, scan: scan ?? which.value, searches, ...titled };
+    const value = (name: string): string => (form.elements.namedItem(name) as HTMLInputElement | HTMLSelectElement).value;
+    return { files, searches, scan: value("scan"), triangles: value("triangles"), size: value("size"), distance: value("distance") };
 }
 
 function setBusy(isBusy: boolean): void {
@@ -113,7 +113,7 @@ async function look(request: Request, { baked, report }: { baked: Baked; report:
         const both = await viewWithScan(request, baked, signal);
         show(both, texts.both, { beside: "scan" });
     } catch (error) {
-        if (!signal.aborted) explain(`${texts.asset} ${texts.notCompared}${error instanceof Error ? error.message : error}`);
+        if (!signal.aborted) explain(`${texts.asset} ${texts.notCompared}${messageOf(error)}`);
     }
 }
 
@@ -129,11 +129,11 @@ function showDownloads({ files: made }: Baked): void {
 }
 
 /** Lists the bakes of the same scan, once there are several. */
-function remember({ searches, size: texels, distance }: Request, { report }: Baked, { page }: Report): void {
+function remember({ searches, distance }: Request, { report }: Baked, { page }: Report): void {
     const [name = "", value = ""] = mainFigure(page) ?? [];
     const ray = distance.trim() || "auto";
     const way = searches ? "search" : "fixed sizes";
-    earlier.push([way, count(report.triangles[0] ?? 0), report.size?.map(count).join(" × ") ?? texels, ray, size((report.proof ?? report).bytes_out), value]);
+    earlier.push([way, count(report.triangles[0] ?? 0), report.size.map(count).join(" × "), ray, size(report.proof.bytes_out), value]);
     const columns = ["bake", "triangles", "map", "ray distance", "file", name].map((name) => ({ name, unit: "", numeric: false }));
     const rows = earlier.map((cells) => cells.map((text) => ({ text })));
     byId("earlier").replaceChildren(plainTableOf({ title: "Bakes of this scan", note: "", columns, rows }));

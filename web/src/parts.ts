@@ -38,10 +38,5 @@ export function decoded(base64: string): Uint8Array<ArrayBuffer> {
     return Uint8Array.from({ length: text.length }, (_, i) => text.charCodeAt(i));
 }
 
-/** Unpacks bytes compressed by gzip. */
-export async function unpacked(bytes: BlobPart): Promise<ArrayBuffer> {
-    return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
-}
-
 /** Returns the bytes of a part, compressed by gzip. */
 export const part = async (name: Name): Promise<Uint8Array<ArrayBuffer>> => decoded(await parts[name]);

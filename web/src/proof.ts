@@ -1,17 +1,16 @@
 // The report of a bake, as the program wrote it: its data, and the asset for the viewer.
 
 import { byId } from "./dom.js";
-import { decoded, unpacked } from "./parts.js";
-import { count, size } from "./words.js";
+import { unpacked } from "../../npm/taotie-wasm/src/program.js";
+import { decoded } from "./parts.js";
+import { count, sentence, size } from "./words.js";
 
 /** The parts of a bake's JSON that the page shows next to the report's own words. */
 export interface BakeReport {
     high_triangles: number;
     triangles: number[];
-    size: [number, number] | null;
-    bytes_in: number;
-    bytes_out: number;
-    proof: { bytes_in: number; bytes_out: number } | null;
+    size: [number, number];
+    proof: { bytes_in: number; bytes_out: number };
 }
 
 /** The bytes of a viewer's files by name. */
@@ -58,12 +57,12 @@ export function mainFigure({ statement }: ReportPage): [string, string] | undefi
 
 function showFacts(report: BakeReport, page: ReportPage): void {
     const main = mainFigure(page);
-    const { bytes_in: before, bytes_out: after } = report.proof ?? report;
+    const { bytes_in: before, bytes_out: after } = report.proof;
     byId("facts").replaceChildren(
-        ...(main ? [fact(main[0].charAt(0).toUpperCase() + main[0].slice(1), main[1])] : []),
+        ...(main ? [fact(sentence(main[0]), main[1])] : []),
         fact("Triangles", count(report.triangles[0] ?? 0), `from ${count(report.high_triangles)}`),
         fact("File", size(after), `from ${size(before)}`),
-        ...(report.size ? [fact("Map, texels", report.size.map(count).join(" × "))] : []),
+        ...(report.size[0] > 0 ? [fact("Map, texels", report.size.map(count).join(" × "))] : []),
     );
 }
 

@@ -1,4 +1,4 @@
-// Numbers in words.
+// Numbers and sentences in words.
 
 const whole = new Intl.NumberFormat("en");
 
@@ -18,3 +18,6 @@ export function time(seconds: number): string {
     if (rounded < 90) return rounded === 1 ? "1 second" : `${rounded} seconds`;
     return `${Math.round(rounded / 60)} minutes`;
 }
+
+/** Returns text with its first letter in upper case. */
+export const sentence = (text: string): string => text.charAt(0).toUpperCase() + text.slice(1);

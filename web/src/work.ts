@@ -2,15 +2,12 @@
 
 import type { Progress } from "../../npm/taotie-wasm/src/lines.js";
 import { byId } from "./dom.js";
-import { time } from "./words.js";
+import { sentence, time } from "./words.js";
 
 /** The fraction of a stage to finish before its time left is estimated. */
 const LEAST = 0.03;
 /** Seconds between announcements to screen readers. */
 const PAUSE = 10;
-
-/** Returns a sentence's first letter in upper case. */
-const sentence = (text: string): string => text.charAt(0).toUpperCase() + text.slice(1);
 
 /** The work that is shown on the page. */
 export class Work {
@@ -36,12 +33,6 @@ export class Work {
         byId<HTMLProgressElement>("progress").value = this.shown;
         this.say(sentence(stage), rest === null ? "" : `About ${time(rest)} left${left === null ? " in this stage" : ""}`);
     };
-
-    /** Shows a stage without a known course. */
-    wait(stage: string): void {
-        byId<HTMLProgressElement>("progress").removeAttribute("value");
-        this.say(stage, "");
-    }
 
     end(): void {
         byId("work").hidden = true;

@@ -102,8 +102,8 @@ export class DiskFile extends Fd {
 
     override fd_seek(offset: bigint, whence: number) {
         if (this.isStream) return { ret: wasi.ERRNO_SPIPE, offset: 0n };
-        const from = { [wasi.WHENCE_SET]: 0n, [wasi.WHENCE_CUR]: this.position, [wasi.WHENCE_END]: 0n }[whence] ?? 0n;
-        const start = whence === wasi.WHENCE_END ? fs.fstatSync(this.file, { bigint: true }).size : from;
+        const end = (): bigint => fs.fstatSync(this.file, { bigint: true }).size;
+        const start = whence === wasi.WHENCE_END ? end() : whence === wasi.WHENCE_CUR ? this.position : 0n;
         if (start + offset < 0n) return { ret: wasi.ERRNO_INVAL, offset: 0n };
         this.position = start + offset;
         return { ret: 0, offset: this.position };

@@ -3,7 +3,7 @@
 import { ConsoleStdout, File, OpenFile, PreopenDirectory, WASI, wasi as definitions } from "@bjorn3/browser_wasi_shim";
 import { type Bytes, changedFiles, folderOf } from "./folders.js";
 import { importsOf } from "./imports.js";
-import { Lines, OPTION, type Progress, progressOf } from "./lines.js";
+import { Lines, OPTION, type Progress, messageOf, progressOf } from "./lines.js";
 
 /** A run of the command. */
 export interface Job {
@@ -41,7 +41,7 @@ function start(wasi: WASI, instance: WebAssembly.Instance): Pick<Ended, "code" |
     try {
         return { code: wasi.start(instance as Parameters<WASI["start"]>[0]) };
     } catch (error) {
-        return { trap: error instanceof Error ? error.message : String(error) };
+        return { trap: messageOf(error) };
     }
 }
 

@@ -23,6 +23,9 @@ export function progressOf(line: string): Progress | undefined {
     }
 }
 
+/** Returns the message of anything that was thrown. */
+export const messageOf = (error: unknown): string => (error instanceof Error ? error.message : String(error));
+
 /** Splits bytes into lines. */
 export class Lines {
     private readonly decoder = new TextDecoder();

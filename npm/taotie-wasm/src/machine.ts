@@ -7,6 +7,7 @@ import { DiskFile, DiskFolder, tried } from "./disk.js";
 import { PANIC, reasonOf } from "./failure.js";
 import { importsOf, onTwoPaths } from "./imports.js";
 import { program } from "./installed.js";
+import { messageOf } from "./lines.js";
 
 /** Makes an absolute path relative, also as the value of an option: the program does not tell `/a` from `a`. */
 function local(argument: string): string {
@@ -72,5 +73,5 @@ try {
     end(wasi.start(instance as Parameters<WASI["start"]>[0]));
 } catch (error) {
     end(PANIC);
-    console.error(`taotie: error: ${reasonOf(error instanceof Error ? error.message : String(error), stderr.text)}`);
+    console.error(`taotie: error: ${reasonOf(messageOf(error), stderr.text)}`);
 }

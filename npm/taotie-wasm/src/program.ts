@@ -3,12 +3,15 @@
 /** The name of the program's file. */
 export const PROGRAM = "taotie.wasm.gz";
 
+/** Unpacks bytes compressed by gzip. */
+export async function unpacked(bytes: BlobPart): Promise<ArrayBuffer> {
+    return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
+}
+
 /** Compiles the program from its bytes, compressed or not: some servers unpack what they send. */
 export async function compiled(bytes: ArrayBuffer): Promise<WebAssembly.Module> {
     const isPacked = new Uint8Array(bytes)[0] === 0x1f;
-    if (!isPacked) return WebAssembly.compile(bytes);
-    const unpacked = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-    return WebAssembly.compile(await new Response(unpacked).arrayBuffer());
+    return WebAssembly.compile(isPacked ? await unpacked(bytes) : bytes);
 }
 
 /** Returns a function that does the work once and remembers the result, unless it fails. */

@@ -34,7 +34,7 @@ export interface Result<Printed = unknown> {
     files: Record<string, Uint8Array<ArrayBuffer>>;
 }
 
-/** The report of a command, as JSON; docs/bake.md describes it. */
+/** The report of a command, as JSON: docs/json.md. */
 export type Report = Record<string, unknown>;
 
 /** A worker, in a browser or Node. @internal */
@@ -52,10 +52,8 @@ function bytesOf(file: FileData): ArrayBuffer | Blob {
     return bytes.slice().buffer as ArrayBuffer;
 }
 
-const PARSED = ["--json"];
-
 function resultOf({ code, stdout, stderr, files }: Ended, args: readonly string[]): Result {
-    const isJson = args.some((arg) => PARSED.includes(arg)) && stdout !== "";
+    const isJson = args.includes("--json") && stdout !== "";
     return { code: code!, stdout: isJson ? JSON.parse(stdout) : stdout, stderr, files };
 }
 

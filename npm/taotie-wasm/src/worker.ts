@@ -1,6 +1,7 @@
 // The worker: does one job and reports its progress and its end. It runs in browsers, and as a thread of Node.
 
 import { type Ended, type Job, type Message, run } from "./job.js";
+import { messageOf } from "./lines.js";
 
 interface Port {
     post(message: Message, transfer: ArrayBuffer[]): void;
@@ -24,6 +25,6 @@ const own = port();
 
 own.listen((job) => {
     const end = (ended: Ended): void => own.post({ ended }, Object.values(ended.files).map(({ buffer }) => buffer));
-    const fail = (error: unknown): void => end({ trap: String(error instanceof Error ? error.message : error), stdout: "", stderr: "", files: {} });
+    const fail = (error: unknown): void => end({ trap: messageOf(error), stdout: "", stderr: "", files: {} });
     run(job, (progress) => own.post({ progress }, [])).then(end, fail);
 });
