@@ -39,8 +39,6 @@ def set_up():
     scene.render.resolution_x = scene.render.resolution_y = SIDE
     scene.view_settings.view_transform = "Standard"
     world = scene.world = bpy.data.worlds.new("grey")
-    if bpy.app.version < (5, 0):
-        world.use_nodes = True
     world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.1, 0.1, 0.1, 1)
     bpy.ops.object.light_add(type="SUN", rotation=(math.radians(60), 0, math.radians(-60)))
     bpy.context.object.data.energy = 3

@@ -34,8 +34,6 @@ def colored(name, color):
     image.pixels = [value for y in range(64) for x in range(64) for value in (*(color if (x ^ y) & 8 else other), 1)]
     image.pack()
     material = bpy.data.materials.new(name)
-    if bpy.app.version < (5, 0):
-        material.use_nodes = True
     nodes = material.node_tree.nodes
     texture = nodes.new("ShaderNodeTexImage")
     texture.image = image

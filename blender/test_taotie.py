@@ -271,7 +271,6 @@ def test_several_materials_and_objects(form):
     bpy.context.view_layer.update()
     form.high, form.low, form.size = high, low, "256"
     assert bpy.ops.taotie.bake() == {"FINISHED"}
-    print("NAMES", sorted(thing.name for thing in form.made.objects))
     assert len(form.made.objects) == 2
     figures_agree(form, MAPPED)
     materials = {m.name for thing in form.mapped.objects for m in thing.data.materials}
@@ -476,10 +475,10 @@ def children():
     return Path(f"/proc/{os.getpid()}/task/{os.getpid()}/children").read_text().split()
 
 
-# --- Unpacking
+# --- Transforms
 
 
-def test_stretched_normals_are_kept(form):
+def test_mirrored_and_stretched_normals_are_kept(form):
     thing = scenes.sphere("ball", 16)
     module("objects").transform(thing.data, Matrix.Diagonal((1, 1, -3, 1)))
     for vertex, normal in zip(thing.data.vertices, vertex_normals(thing.data)):

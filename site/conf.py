@@ -38,12 +38,13 @@ html_theme = "furo"
 html_title = "Taotie"
 html_static_path = [str(HERE / "static")]
 html_css_files = ["site.css"]
-html_extra_path = [path for path in [str(ROOT / "target/site/extra")] if Path(path).is_dir()]
+EXTRA = ROOT / "target/site/extra"
+html_extra_path = [str(EXTRA)] if EXTRA.is_dir() else []
 html_copy_source = False
 html_show_sphinx = False
 templates_path = []
 
 if HAS_PACKAGE:
     tags.add("package")
-if (ROOT / "target/site/extra/viewer.html").exists():
+if (EXTRA / "viewer.html").exists():
     tags.add("viewer")

@@ -1,7 +1,8 @@
 """Runs every command of the tutorials, in a folder for each with the models that they use.
 
 A comment in front of a block states what it is: `<!-- file: NAME -->` for the content of a file, `<!-- exit: N -->` for
-commands that end with that code. Blocks of Python are run by `python/tests/test_notebooks.py`.
+commands that end with that code. `<!-- printed: COMMAND -->` is checked by `crates/taotie-cli/tests/models/printed.rs`.
+Blocks of Python are run by `python/tests/test_notebooks.py`.
 """
 
 from __future__ import annotations

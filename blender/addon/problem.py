@@ -7,4 +7,4 @@ class Problem(Exception):
 
 def text_of(error):
     """Returns the message of any exception; those of Blender's operators start with `Error: `."""
-    return str(error).replace("Error: ", "").strip() or type(error).__name__
+    return str(error).removeprefix("Error: ").strip() or type(error).__name__

@@ -33,14 +33,14 @@ def command(preferences):
     raise Problem("taotie is not installed: install the program, or state its path in the preferences of the add-on")
 
 
-def run(arguments):
-    """Runs the program: a generator of (stage, fraction), which returns the text printed.
+def run(command, arguments):
+    """Runs the program that `command` starts: a generator of (stage, fraction), which returns the text printed.
 
     It never waits. Closing it ends the program, which then leaves its files as they were.
     """
     try:
         process = subprocess.Popen(
-            [str(argument) for argument in arguments],
+            [str(word) for word in (*command, "--progress", *arguments)],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
@@ -49,7 +49,7 @@ def run(arguments):
             creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),  # of Windows
         )
     except OSError as error:
-        raise Problem(f"cannot start `{arguments[0]}`: {error.strerror or error}") from error
+        raise Problem(f"cannot start `{command[0]}`: {error.strerror or error}") from error
     with _ending(process):
         lines, printed, said = queue.Queue(), [], []
         readers = [
@@ -64,7 +64,7 @@ def run(arguments):
         _latest(lines, said, latest)
         code = process.wait()
     if code not in (0, 1):  # 1: done, but a requirement is not met
-        raise Problem(_message(said) or f"`{arguments[0]}` ended with exit code {code}")
+        raise Problem(_message(said) or f"`{command[0]}` ended with exit code {code}")
     return "".join(printed)
 
 

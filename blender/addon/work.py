@@ -75,7 +75,7 @@ def bake(context, request):
         if request.low:
             low = ["--low", (yield from _export(context, request.low, folder / "low"))]
         printed = yield from program.run(
-            [*request.command, "--progress", "bake", scan, *low, "-o", asset, "--unit", "m", *request.options]
+            request.command, ["bake", scan, *low, "-o", asset, "--unit", "m", *request.options]
         )
         page = asset.with_suffix(".report.html")
         return (yield from _finish(context, request, [scan, asset, page, printed]))
@@ -88,7 +88,7 @@ def verify(context, request):
         asset = yield from _export(context, request.low, folder / "asset")
         page = asset.with_suffix(".report.html")
         printed = yield from program.run(
-            [*request.command, "--progress", "verify", asset, "--scan", scan, "-o", page, "--unit", "m", *request.options]
+            request.command, ["verify", asset, "--scan", scan, "-o", page, "--unit", "m", *request.options]
         )
         return (yield from _finish(context, request, [scan, asset, page, printed], is_new=False))
 
@@ -151,7 +151,7 @@ def _measure(context, request, scan, asset):
     mapped, folder = asset.with_name("mapped.glb"), asset.with_name("view")
     glb.save(mapped)
     view = ["view", mapped, "--scan", scan, "--unit", "m", "--folder", folder]
-    yield from program.run([*request.command, "--progress", *view])
+    yield from program.run(request.command, view)
     yield "importing", 1.0
     with new_collection(context, f"{_shown(request)} error") as collection:
         return collection, show_errors(context, mapped, folder, collection)

@@ -151,9 +151,6 @@ def _check_finite(name: str, array: npt.NDArray[np.float32]) -> None:
         raise invalid(name, f"row {row} is {array[row].tolist()}; expected finite numbers of float32")
 
 
-__all__ = ["Array", "PathLike", "colors", "image", "path", "rows", "sides", "triangles"]
-
-
 def matrix(name: str, values: npt.ArrayLike, side: int) -> npt.NDArray[np.float64]:
     """Return a square matrix of finite numbers."""
     array = _numbers(name, values)
@@ -168,3 +165,6 @@ def affine(name: str, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
     if not np.allclose(transform[3], (0, 0, 0, 1)):
         raise invalid(name, f"its last row is {transform[3].tolist()}; expected 0, 0, 0, 1")
     return transform
+
+
+__all__ = ["Array", "PathLike", "affine", "colors", "image", "matrix", "path", "rows", "sides", "triangles"]
