@@ -346,6 +346,7 @@ tools:
 	test -x "$$BROWSER" || $(MAKE) --no-print-directory browser
 	@test "$$(uname)" != Linux || for name in $(FIREFOX); do command -v $$name >/dev/null && command -v xvfb-run >/dev/null && exit; done || \
 	$(MAKE) --no-print-directory firefox
+	@command -v jq >/dev/null || $(MAKE) --no-print-directory jq
 	@for folder in $(PACKAGES); do test -d $$folder || exec $(MAKE) --no-print-directory packages; done
 	@test "$$(uname)" != Linux || test -n "$(wildcard $(DRIVERS))$$VK_DRIVER_FILES$$VK_ICD_FILENAMES" || \
 	$(MAKE) --no-print-directory vulkan
@@ -373,6 +374,11 @@ firefox:
 	echo "Install Firefox and xvfb-run: without them the tests of the viewer in Firefox are skipped." >&2
 
 .PHONY: vulkan
+jq:
+	@as=$$(test "$$(id -u)" = 0 || echo sudo); \
+	{ command -v apt-get && $$as apt-get update && $$as apt-get install -y jq; } >/dev/null || \
+	echo "Install jq: without it the examples of docs/json.md are not tested." >&2
+
 vulkan:
 	@as=$$(test "$$(id -u)" = 0 || echo sudo); \
 	{ command -v apt-get && $$as apt-get update && $$as apt-get install -y mesa-vulkan-drivers; } >/dev/null || \

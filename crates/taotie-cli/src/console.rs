@@ -151,7 +151,7 @@ pub fn show(views: &[View]) {
     lines::show(views);
 }
 
-/// Sends a PNG file likewise.
+/// Sends a PNG file to the program that runs this command.
 #[cfg_attr(not(feature = "mcp"), expect(unused_variables, reason = "nothing shows it"))]
 pub fn show_file(path: &Path) -> Result<()> {
     #[cfg(feature = "mcp")]
@@ -194,7 +194,7 @@ pub struct Bar {
     title: String,
     start: Instant,
     bar: OnceLock<ProgressBar>,
-    /// The time of the latest line, in milliseconds since the start.
+    /// The time of the latest line, in milliseconds since the start, plus 1; 0 if there was none.
     line: AtomicU64,
 }
 
@@ -228,10 +228,7 @@ impl Bar {
 
     /// Shows the fraction done of this stage, and the time left for the whole work, if known.
     pub fn show(&self, fraction: f64, whole: Option<Duration>) {
-        if PROGRESS_LINES.load(Ordering::Relaxed) {
-            return self.write_line(fraction, whole);
-        }
-        if is_quiet() || self.start.elapsed() < Duration::from_secs(1) {
+        if !self.is_drawn(fraction, whole) {
             return;
         }
         let bar = self.bar.get_or_init(|| self.new_bar());
@@ -243,10 +240,7 @@ impl Bar {
 
     /// Shows the fraction of the whole work that is done, and the time left as estimated by the caller.
     pub fn show_all(&self, fraction: f64, left: Option<Duration>) {
-        if PROGRESS_LINES.load(Ordering::Relaxed) {
-            return self.write_line(fraction, left);
-        }
-        if is_quiet() || self.start.elapsed() < Duration::from_secs(1) {
+        if !self.is_drawn(fraction, left) {
             return;
         }
         let bar = self.bar.get_or_init(|| {
@@ -265,9 +259,17 @@ impl Bar {
         true
     }
 
+    /// Returns true if a bar is to be drawn; otherwise programs get a line, or nobody wants progress.
+    fn is_drawn(&self, fraction: f64, left: Option<Duration>) -> bool {
+        let has_lines = PROGRESS_LINES.load(Ordering::Relaxed);
+        if has_lines {
+            self.write_line(fraction, left);
+        }
+        !has_lines && !is_quiet() && self.start.elapsed() >= Duration::from_secs(1)
+    }
+
     /// Writes a line of progress, unless the latest is recent.
     fn write_line(&self, done: f64, left: Option<Duration>) {
-        // 0 is the value of a bar without lines.
         let now = self.start.elapsed().as_millis() as u64 + 1;
         let last = self.line.load(Ordering::Relaxed);
         if last == 0 || now >= last + LINE_MS {

@@ -54,8 +54,7 @@ struct Demo {
     /// The paths of the written files.
     files: Vec<PathBuf>,
     /// The pictures of the contact sheet.
-    #[serde(rename = "pictures")]
-    made: Vec<Made>,
+    pictures: Vec<Made>,
     /// The surface methods compared with the relief as geometry.
     comparison: Document,
     /// The kinds of normal maps on the moving vessel.
@@ -79,7 +78,7 @@ fn demo(args: &DemoArgs, set: &FileSet) -> Result<Demo> {
     let mut files = export::write(&output, &vessel)?;
     files.push(glb::write_pouring(&output, &vessel)?);
     let bar = Bar::new("pictures");
-    let (sheet, made) = gallery::write_sheet(&vessel, &output, &|done| bar.set(done))?;
+    let (sheet, pictures) = gallery::write_sheet(&vessel, &output, &|done| bar.set(done))?;
     files.push(sheet);
     files.push(gallery::write_large(&vessel, &output)?);
     drop(bar);
@@ -98,7 +97,7 @@ fn demo(args: &DemoArgs, set: &FileSet) -> Result<Demo> {
     files.extend(compared.files);
     set.commit()?;
     let version = env!("CARGO_PKG_VERSION");
-    Ok(Demo { schema: SCHEMA, version, files, made, comparison: compared.document, moving })
+    Ok(Demo { schema: SCHEMA, version, files, pictures, comparison: compared.document, moving })
 }
 
 fn line_of(made: &Made) -> String {
@@ -109,7 +108,7 @@ fn line_of(made: &Made) -> String {
 impl Demo {
     fn print(&self) -> Result<()> {
         console::result(&format!("{:<22} {:<15} {:<22} {:>8}", "picture", "surface", "shading", "ms"))?;
-        for made in &self.made {
+        for made in &self.pictures {
             console::result(&line_of(made))?;
         }
         console::result("")?;

@@ -33,7 +33,7 @@ use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-/// The allocator of static programs and of wheels for musl, whose own serves one thread at a time.
+/// The allocator of static programs and of wheels for musl: musl's own allocator serialises threads.
 #[cfg(target_env = "musl")]
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;

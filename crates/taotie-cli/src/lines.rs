@@ -48,16 +48,17 @@ pub fn are_wanted() -> bool {
     WANTED.load(Ordering::Relaxed)
 }
 
-/// Writes a line, if lines are wanted. A closed stderr is not an error.
+/// Writes a line. A closed stderr is not an error.
 pub fn send(line: &Line) {
-    if are_wanted() {
-        let text = serde_json::to_string(line).unwrap_or_default();
-        let _ = writeln!(io::stderr().lock(), "{text}");
-    }
+    let text = serde_json::to_string(line).unwrap_or_default();
+    let _ = writeln!(io::stderr().lock(), "{text}");
 }
 
-/// Sends the pictures of a report page.
+/// Sends the pictures of a report page, if lines are wanted.
 pub fn show(views: &[View]) {
+    if !are_wanted() {
+        return;
+    }
     for view in views {
         for (index, picture) in view.pictures.iter().enumerate() {
             let label = &picture.label;
@@ -70,8 +71,11 @@ pub fn show(views: &[View]) {
     }
 }
 
-/// Sends a PNG file; if it is too large, a smaller JPEG.
+/// Sends a PNG file, if lines are wanted; if it is too large, a smaller JPEG.
 pub fn show_file(path: &Path) -> Result<()> {
+    if !are_wanted() {
+        return Ok(());
+    }
     let file = taotie_io::read_bytes(path)?;
     let caption = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     if file.len() <= MOST_BYTES {

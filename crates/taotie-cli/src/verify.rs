@@ -87,7 +87,8 @@ fn verify(args: &VerifyArgs) -> Result<Report> {
     let progress = Progress::new(&listener);
     let scan = read_scan(args, &args.limits.limits(), progress)?;
     console::say_warnings(scan.warnings());
-    let options = args.proof.options_of_page(args.output.is_some() || console::shows_pictures());
+    let has_page = args.output.is_some() || console::shows_pictures();
+    let options = args.proof.options_of_page(has_page);
     let proof = asset::verify(&args.asset, &scan, &options, progress)?;
     console::say_warnings(&proof.warnings);
     let mut report = Report::of_proof(&args.asset, &scan, &proof)?;
@@ -95,12 +96,12 @@ fn verify(args: &VerifyArgs) -> Result<Report> {
     let certificate = Certificate::of_file(&proved, &proof.figures, &options, &args.proof.signature())?;
     report.certificate = Some(certificate);
     report.stages = clock.done();
-    if console::shows_pictures() {
-        console::show(&bake_page::page(&report, &proof, None)?.features);
+    let page = if has_page { Some(bake_page::page(&report, &proof, None)?) } else { None };
+    if let Some(page) = &page {
+        console::show(&page.features);
     }
-    if let [html, json] = &pages[..] {
-        let page = bake_page::page(&report, &proof, None)?;
-        let (page, warnings) = bake_page::html_with_asset(&page, &proof, &args.asset);
+    if let (Some(page), [html, json]) = (&page, &pages[..]) {
+        let (page, warnings) = bake_page::html_with_asset(page, &proof, &args.asset);
         console::say_warnings(&warnings);
         report.warnings.extend(warnings.list());
         report.files.clone_from(&pages);

@@ -36,6 +36,7 @@ pub use json::Json;
 pub use limits::{Bytes, Limits, Stopwatch, free_memory, limits_note, most_threads};
 pub use loaded::{GltfStructure, Loaded, RootNode, Variants};
 #[cfg(feature = "exr")]
+pub use reading::names_network;
 pub use write::encode_exr;
 pub use write::{
     AnimatedImage, AnimationFormat, AnimationSpec, CodecKind, CodecSet, EncodedModel, FileBytes, FileSet,

@@ -167,7 +167,7 @@ pub fn free_memory() -> Option<u64> {
 #[cfg(target_family = "wasm")]
 fn module_memory() -> Option<u64> {
     const PAGE: u64 = 1 << 16;
-    Some(((7 << 29) as u64).saturating_sub(core::arch::wasm32::memory_size(0) as u64 * PAGE))
+    Some((7_u64 << 29).saturating_sub(core::arch::wasm32::memory_size(0) as u64 * PAGE))
 }
 
 #[cfg(not(target_family = "wasm"))]

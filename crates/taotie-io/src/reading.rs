@@ -142,9 +142,9 @@ fn inside<'a>(path: &'a Path, folder: &Path) -> Option<&'a Path> {
 
 /// Returns `true` if a path refers to a network share or a device, as Windows paths can: querying it would access
 /// them.
-fn names_network(path: &Path) -> bool {
+pub fn names_network(path: &Path) -> bool {
     let Some(Component::Prefix(prefix)) = path.components().next() else { return false };
-    matches!(prefix.kind(), Prefix::UNC(..) | Prefix::VerbatimUNC(..) | Prefix::DeviceNS(_))
+    !matches!(prefix.kind(), Prefix::Disk(_) | Prefix::VerbatimDisk(_))
 }
 
 /// Returns `true` if a path climbs above its start, or is not relative.

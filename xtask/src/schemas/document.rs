@@ -325,6 +325,14 @@ impl<'a> Document<'a> {
         self.refine(schema, place)
     }
 
+    /// Returns the number of the first type that the documentation links to.
+    fn linked(&self, place: &Place<'_>) -> Option<usize> {
+        place.documentation.links().iter().find_map(|link| {
+            let path: Vec<String> = link.split("::").map(str::to_owned).collect();
+            self.sources.find(place.file, &path).ok()
+        })
+    }
+
     fn refine(&mut self, mut schema: Value, place: &Place<'_>) -> Result<Value> {
         let documentation = place.documentation;
         if let Some(items) = schema.get_mut("items") {
@@ -353,22 +361,16 @@ impl<'a> Document<'a> {
             (Some("string"), _) => {
                 if let Some(values) = documentation.values() {
                     schema["enum"] = json!(values);
-                } else if documentation.has("name of") {
-                    for link in documentation.links() {
-                        let path: Vec<String> = link.split("::").map(str::to_owned).collect();
-                        if let Ok(number) = self.sources.find(place.file, &path) {
-                            return self.reference(number);
-                        }
-                    }
+                } else if documentation.has("name of")
+                    && let Some(number) = self.linked(place)
+                {
+                    return self.reference(number);
                 }
             }
             (None, true) if schema.as_object().is_some_and(|fields| !fields.contains_key("oneOf")) => {
                 // A JSON value without a type: the documentation names it.
-                for link in documentation.links() {
-                    let path: Vec<String> = link.split("::").map(str::to_owned).collect();
-                    if let Ok(number) = self.sources.find(place.file, &path) {
-                        return self.reference(number);
-                    }
+                if let Some(number) = self.linked(place) {
+                    return self.reference(number);
                 }
                 bail!("a `Value` has no schema; link to its type in its documentation");
             }

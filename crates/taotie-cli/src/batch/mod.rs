@@ -200,9 +200,13 @@ struct States {
 
 impl States {
     fn of(summary: &Summary) -> Self {
-        let [done, required_not_met, refused, failed] =
-            State::ALL.map(|state| summary.states.get(&state).copied().unwrap_or(0));
-        Self { done, required_not_met, refused, failed }
+        let count = |state| summary.states.get(&state).copied().unwrap_or(0);
+        Self {
+            done: count(State::Done),
+            required_not_met: count(State::RequiredNotMet),
+            refused: count(State::Refused),
+            failed: count(State::Failed),
+        }
     }
 }
 

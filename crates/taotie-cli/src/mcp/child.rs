@@ -48,7 +48,7 @@ const MOST_JSON: u64 = 64 << 20;
 /// Time for a cancelled process to end, before it is killed.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// Hears of the progress of a process.
+/// Receives the progress of a process.
 pub trait Listener {
     /// Called for each report of progress: a stage, and the fraction of it that is done.
     fn hear(&mut self, stage: &str, fraction: f64) -> impl Future<Output = ()>;
@@ -126,7 +126,7 @@ async fn listen(stderr: Option<ChildStderr>, listener: &mut impl Listener) -> io
         if let Ok(line) = serde_json::from_slice::<ProgressLine>(&text) {
             listener.hear(&line.stage, line.done).await;
         } else {
-            // Others are of a library or driver.
+            // Other lines come from libraries and drivers.
             let message = || Line::Message(String::from_utf8_lossy(&text).trim_end().to_owned());
             heard.push(serde_json::from_slice(&text).unwrap_or_else(|_| message()));
         }

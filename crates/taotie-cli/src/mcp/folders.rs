@@ -4,7 +4,8 @@ use anyhow::{Context, Result, bail};
 use percent_encoding::percent_decode_str;
 use std::ffi::OsStr;
 use std::fs;
-use std::path::{Component, Path, PathBuf, Prefix};
+use std::path::{Component, Path, PathBuf};
+use taotie_io::names_network;
 
 /// The folders that tools may read and write.
 #[derive(Debug, Clone)]
@@ -68,7 +69,7 @@ impl Folders {
             bail!("{shown}: {}", self.advice());
         };
         let path = base.join(path);
-        if names_device(&path) && !self.holds(&path) {
+        if names_network(&path) && !self.holds(&path) {
             bail!("{shown}: outside the allowed folders; {}", self.advice());
         }
         let real = without_links(&path).with_context(|| format!("{shown}: a link leads nowhere"))?;
@@ -120,15 +121,9 @@ fn path_of(uri: &str) -> Option<PathBuf> {
     let rest = rest.strip_prefix("localhost").unwrap_or(rest);
     let path = percent_decode_str(rest).decode_utf8().ok()?;
     // On Windows, /C:/scans is C:/scans.
-    let is_drive = cfg!(windows) && path.as_bytes().get(2) == Some(&b':');
-    let path = if is_drive { &path[1..] } else { &path };
+    let has_drive = |rest: &&str| cfg!(windows) && rest.as_bytes().get(1) == Some(&b':');
+    let path = path.strip_prefix('/').filter(has_drive).unwrap_or(&path);
     Path::new(path).is_absolute().then(|| path.into())
-}
-
-/// Returns true if a path refers to a network share or a device, as Windows paths can: a query would access them.
-fn names_device(path: &Path) -> bool {
-    let Some(Component::Prefix(prefix)) = path.components().next() else { return false };
-    matches!(prefix.kind(), Prefix::UNC(..) | Prefix::VerbatimUNC(..) | Prefix::DeviceNS(_))
 }
 
 /// Resolves all links of the part of a path that exists. The rest contains no `..`.

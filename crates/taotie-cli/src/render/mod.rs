@@ -54,8 +54,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let report = args.running.run.in_pool(|| render(args, &files))??;
     report.machine.report(args);
     console::say_warnings(&report.warnings);
-    if let Some(picture) = report.files.iter().find(|file| is_png(file)).filter(|_| console::shows_pictures())
-    {
+    if let Some(picture) = report.files.iter().find(|file| is_png(file)) {
         console::show_file(picture)?;
     }
     if args.running.run.json {

@@ -107,10 +107,12 @@ fn filters_on_the_page_find_what_it_shows() {
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/json.md");
     let page = std::fs::read_to_string(page).expect("the page is readable").replace('\r', "");
     let place = Place::with("scan.obj", SCAN.obj());
+    let mut count = 0;
     for after in page.split("```sh\n").skip(1) {
         let (lines, rest) = after.split_once("```\n").expect("the block ends");
         let shown = rest.trim_start().strip_prefix("```text\n").and_then(|text| text.split("```").next());
         for (command, filter) in lines.lines().filter_map(|line| line.split_once(" | jq ")) {
+            count += 1;
             let document = place.json(command.strip_prefix("taotie ").expect("a command of taotie"));
             let Some(found) = filtered(filter, &document) else { return data::absent("jq is not installed") };
             match shown {
@@ -119,6 +121,7 @@ fn filters_on_the_page_find_what_it_shows() {
             }
         }
     }
+    assert!(count >= 3, "only {count} filters were found in docs/json.md");
 }
 
 #[test]

@@ -196,7 +196,7 @@ impl Parameters {
             scan_green: scan.green.map_or("auto", Named::name),
             unit: scan.unit,
         };
-        Self(serde_json::to_value(fields).unwrap_or_default())
+        Self(serde_json::to_value(fields).expect("all keys are text"))
     }
 
     /// Returns the parameters as an asset records them: the command and its options.
