@@ -236,7 +236,8 @@ viewer/node_modules/esbuild: viewer/package-lock.json
 # These three need the command as WebAssembly: that of `make wasm`, or TAOTIE_WASM=/path/to/taotie.wasm.
 npm: viewer/node_modules/esbuild npm/taotie-wasm/node_modules/esbuild ## Build the npm packages into target/npm
 	mkdir -p target/npm
-	for folder in viewer npm/taotie-wasm npm/taotie; do (cd $$folder && npm pack --silent --pack-destination $(CURDIR)/target/npm) || exit; done
+	cp dist/licences/three.txt viewer/LICENSE-three
+	for folder in viewer npm/taotie-wasm npm/taotie; do cp LICENSE-* $$folder && (cd $$folder && npm pack --silent --pack-destination $(CURDIR)/target/npm) || exit; done
 
 web: npm/taotie-wasm/node_modules/esbuild ## Build the page that bakes in the browser into target/web
 	npm/taotie-wasm/node_modules/.bin/tsc --noEmit --project web

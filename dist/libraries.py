@@ -34,6 +34,19 @@ VENDORED = (
     Vendored("mimalloc", "libmimalloc-sys", "MIT", "c_src/mimalloc/v3/include/mimalloc.h", r"define MI_MALLOC_VERSION (\d)(\d\d)(\d\d)",
              "c_src/mimalloc/v3/LICENSE"),
 )
+
+
+@dataclass(frozen=True)
+class Script:
+    """A library that scripts contain: its project, and the file of its licence in dist/licences."""
+
+    name: str
+    project: str
+    text: str
+
+
+# The viewer's script, and those of the packages with the command as WebAssembly.
+SCRIPTS = (Script("three", "viewer", "three.txt"), Script("@bjorn3/browser_wasi_shim", "npm/taotie-wasm", "browser_wasi_shim.txt"))
 # musl, libc++ and libunwind come with Zig.
 OF_ZIG = ("libc/musl/COPYRIGHT", "libcxx/LICENSE.TXT", "libunwind/LICENSE.TXT")
 
@@ -41,7 +54,7 @@ OF_ZIG = ("libc/musl/COPYRIGHT", "libcxx/LICENSE.TXT", "libunwind/LICENSE.TXT")
 def all_of(crates: list[Package]) -> list[Package]:
     """Return the libraries."""
     folders = {crate.name: crate.folder for crate in crates}
-    return [vendored(library, folders[library.crate]) for library in VENDORED] + [three(), *linked()]
+    return [vendored(library, folders[library.crate]) for library in VENDORED] + [*map(script, SCRIPTS), *linked()]
 
 
 def vendored(library: Vendored, folder: Path) -> Package:
@@ -60,11 +73,11 @@ def licence_in(path: Path) -> str:
     return text if path.suffix != ".h" else re.sub(r"(?m)^ \* ?", "", text[text.rindex("/**") + 3 : text.rindex("*/")]).strip()
 
 
-def three() -> Package:
-    """Return three.js, which the viewer's script contains."""
-    lock = json.loads((place.ROOT / "viewer/package-lock.json").read_text())["packages"]["node_modules/three"]
-    text = (place.ROOT / "dist/licences/three.txt").read_text(encoding="utf-8")
-    return Package("three", lock["version"], lock["license"], f"pkg:npm/three@{lock['version']}", texts=[text])
+def script(library: Script) -> Package:
+    """Return a library, as the lock file of its project states it."""
+    lock = json.loads((place.ROOT / library.project / "package-lock.json").read_text())["packages"][f"node_modules/{library.name}"]
+    text = (place.ROOT / "dist/licences" / library.text).read_text(encoding="utf-8")
+    return Package(library.name, lock["version"], lock["license"], f"pkg:npm/{library.name.replace('@', '%40')}@{lock['version']}", texts=[text])
 
 
 def linked() -> list[Package]:

@@ -6,6 +6,9 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
+import libraries
+import licences
+import packages
 import place
 import toolchain
 from targets import WASM
@@ -18,12 +21,14 @@ def main() -> None:
     environment = toolchain.environment()
     environment["CARGO_ENCODED_RUSTFLAGS"] += "\x1f-Ctarget-feature=+simd128"
     toolchain.run([
-        "cargo-zigbuild", "rustc", "--locked", "--profile", "dist", "--config", "profile.dist.lto=\"thin\"",
+        "cargo-zigbuild", "rustc", "--locked", "--profile", "dist", "--config", "profile.dist.lto=\"fat\"", "--config", "profile.dist.codegen-units=1",
         "--package", "taotie-cli", "--bin", "taotie", "--no-default-features", "--target", WASM,
         "--", f"-Clink-arg={allocation()}",
     ], environment)
     OUTPUT.parent.mkdir(parents=True, exist_ok=True)
     shutil.copyfile(place.BUILD / WASM / "dist/taotie.wasm", OUTPUT)
+    crates = packages.crates()
+    OUTPUT.with_name("THIRD-PARTY.html").write_bytes(licences.page(crates + libraries.all_of(crates)))
     print(f"{OUTPUT.relative_to(place.ROOT)}: {OUTPUT.stat().st_size:,} bytes")
 
 

@@ -1,7 +1,7 @@
 // Bundles the package into dist. The program is target/wasm/taotie.wasm of the repository, or TAOTIE_WASM.
 
 import { build } from "esbuild";
-import { readFile, writeFile } from "node:fs/promises";
+import { copyFile, readFile, writeFile } from "node:fs/promises";
 import path from "node:path";
 import { fileURLToPath } from "node:url";
 import { gzipSync } from "node:zlib";
@@ -33,11 +33,10 @@ export async function bundled(options) {
     return outputFiles[0].text;
 }
 
+const PROGRAM = process.env.TAOTIE_WASM ?? path.join(here, "../../target/wasm/taotie.wasm");
+
 /** Reads the program and compresses it. */
-export async function packedProgram() {
-    const name = process.env.TAOTIE_WASM ?? path.join(here, "../../target/wasm/taotie.wasm");
-    return gzipSync(await readFile(name), { level: 9 });
-}
+export const packedProgram = async () => gzipSync(await readFile(PROGRAM), { level: 9 });
 
 async function writeEntry(name, platform) {
     const entryPoints = [path.join(SOURCE, `${name}.ts`)];
@@ -48,6 +47,8 @@ if (process.argv[1] === fileURLToPath(import.meta.url)) {
     await Promise.all([writeEntry("browser", "browser"), ...["node", "cli", "machine"].map((name) => writeEntry(name, "node"))]);
     const packed = await packedProgram();
     await writeFile(path.join(DIST, "taotie.wasm.gz"), packed);
+    // `make wasm` writes the licences of everything in the program next to it.
+    await copyFile(path.join(path.dirname(PROGRAM), "THIRD-PARTY.html"), path.join(DIST, "THIRD-PARTY.html"));
     console.log(`${packed.length} bytes of program, gzipped`);
     if (packed.length > MOST) {
         console.error(`more than the limit of ${MOST} bytes`);

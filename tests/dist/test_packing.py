@@ -126,11 +126,12 @@ def test_vendored_libraries_state_version_and_licence(tmp_path: Path) -> None:
         libraries.vendored(libraries.Vendored("x", "x-sys", "MIT", "x.h", "define W", "LICENSE"), tmp_path)
 
 
-def test_the_licence_of_three_is_that_of_its_package() -> None:
-    installed = ROOT / "viewer/node_modules/three/LICENSE"
-    if not installed.is_file():
-        pytest.skip("npm packages of the viewer are not installed")
-    assert libraries.three().texts == [installed.read_text(encoding="utf-8")]
+@pytest.mark.parametrize("library", libraries.SCRIPTS, ids=lambda library: library.name)
+def test_the_licence_of_a_script_is_that_of_its_package(library: libraries.Script) -> None:
+    installed = [*(ROOT / library.project / "node_modules" / library.name).glob("LICENSE*")]
+    if not installed:
+        pytest.skip(f"npm packages of {library.project} are not installed")
+    assert libraries.script(library).texts[0] in [path.read_text(encoding="utf-8") for path in installed]
 
 
 def test_the_page_covers_every_crate_of_a_release() -> None:
