@@ -35,8 +35,8 @@ pub use file::{FileHash, file_size, read as read_bytes, sha256, sha256_of};
 pub use json::Json;
 pub use limits::{Bytes, Limits, Stopwatch, free_memory, limits_note, most_threads};
 pub use loaded::{GltfStructure, Loaded, RootNode, Variants};
-#[cfg(feature = "exr")]
 pub use reading::names_network;
+#[cfg(feature = "exr")]
 pub use write::encode_exr;
 pub use write::{
     AnimatedImage, AnimationFormat, AnimationSpec, CodecKind, CodecSet, EncodedModel, FileBytes, FileSet,
