@@ -303,7 +303,7 @@ DIST_VENV = target/dist-build/venv
 dist: $(DIST_VENV)/ready ## Build programs and wheels for others into target/dist, for this machine or TARGETS: docs/install.md
 	$(DIST_VENV)/bin/python dist/build.py $(TARGETS)
 
-wasm: $(DIST_VENV)/ready ## Build the command for WebAssembly into target/wasm
+wasm: $(DIST_VENV)/ready npm/taotie-wasm/node_modules/esbuild ## Build the command for WebAssembly into target/wasm
 	$(DIST_VENV)/bin/python dist/wasm.py
 
 $(DIST_VENV)/ready: dist/requirements.txt

@@ -91,7 +91,7 @@ fn compare_files(args: &CompareArgs, places: &Places<'_>) -> Result<Written> {
     warnings.absorb(std::mem::take(&mut comparison.warnings));
     comparison.warnings = warnings;
     console::say_warnings(&comparison.warnings);
-    let written = comparison::write_in(files, &comparison, &page_options(args, model), output)?;
+    let written = comparison::write_in(files, &comparison, &page_options(args, model)?, output)?;
     files.commit()?;
     Ok(written)
 }
@@ -117,14 +117,14 @@ fn options(args: &CompareArgs) -> Result<ComparisonOptions> {
 }
 
 /// Returns the options of the written files, with facts unknown to the library.
-fn page_options(args: &CompareArgs, model: &Path) -> comparison::Options {
-    comparison::Options {
+fn page_options(args: &CompareArgs, model: &Path) -> Result<comparison::Options> {
+    Ok(comparison::Options {
         title: model.file_name().unwrap_or_default().to_string_lossy().into_owned(),
         heat_top_deg: args.heat_top_deg,
-        material: serde_json::to_value(args.material.report()).unwrap_or_default(),
-        environment: serde_json::to_value(args.light.environment_report()).unwrap_or_default(),
+        material: serde_json::to_value(args.material.report())?,
+        environment: serde_json::to_value(args.light.environment_report())?,
         exr: args.exr,
-    }
+    })
 }
 
 fn settings(args: &CompareArgs) -> RenderSettings {

@@ -18,8 +18,26 @@ use std::path::{Path, PathBuf};
 pub struct CommandLine {
     /// The subcommand and its arguments. All paths are absolute.
     pub arguments: Vec<OsString>,
-    /// The folder of the written files; `None` if none is kept.
-    pub written: Option<PathBuf>,
+    /// Where the written files are; `None` if none is kept.
+    pub written: Option<Written>,
+}
+
+/// Where a command writes.
+#[derive(Debug)]
+pub struct Written {
+    /// The folder of the output.
+    pub folder: PathBuf,
+    /// All paths of the command line, some of them outputs in other folders.
+    pub named: Vec<PathBuf>,
+}
+
+impl Written {
+    /// Returns the path of a file that the report lists by name.
+    pub fn path(&self, name: &str) -> PathBuf {
+        let beside = self.folder.join(name);
+        let elsewhere = || self.named.iter().find(|path| path.file_name() == Some(name.as_ref()));
+        if beside.is_file() { beside } else { elsewhere().cloned().unwrap_or(beside) }
+    }
 }
 
 impl CommandLine {
@@ -34,8 +52,13 @@ impl CommandLine {
         let (folders, temporary) = place;
         let command = tool.command();
         let matches = command.clone().try_get_matches_from(words(tool, &command, given)?).map_err(reason)?;
-        let mut line =
-            Rebuilt { folders, options: vec![tool.name.into()], positional: Vec::new(), output: None };
+        let mut line = Rebuilt {
+            folders,
+            options: vec![tool.name.into()],
+            positional: Vec::new(),
+            output: None,
+            named: Vec::new(),
+        };
         for arg in command.get_arguments() {
             if matches.value_source(arg.get_id().as_str()) == Some(ValueSource::CommandLine) {
                 line.add(arg, &matches)?;
@@ -45,7 +68,8 @@ impl CommandLine {
             line.options.push(option(OUTPUT, temporary.join("picture.png").as_os_str()));
         }
         line.options.push(format!("--{JSON}").into());
-        let written = line.output.as_ref().and_then(|path| path.parent()).map(Path::to_path_buf);
+        let folder = line.output.as_ref().and_then(|path| path.parent()).map(Path::to_path_buf);
+        let written = folder.map(|folder| Written { folder, named: line.named });
         let arguments = [line.options, line.positional].concat();
         check_materials(&arguments, folders)?;
         Ok(Self { arguments, written })
@@ -134,6 +158,8 @@ struct Rebuilt<'a> {
     /// The arguments without an option.
     positional: Vec<OsString>,
     output: Option<PathBuf>,
+    /// All resolved paths.
+    named: Vec<PathBuf>,
 }
 
 impl Rebuilt<'_> {
@@ -161,13 +187,14 @@ impl Rebuilt<'_> {
     }
 
     /// Returns a value, with a path resolved.
-    fn confined(&self, arg: &Arg, value: &OsStr) -> Result<OsString> {
+    fn confined(&mut self, arg: &Arg, value: &OsStr) -> Result<OsString> {
         // The subcommand runs in an empty folder, so that a plain word cannot name a file.
         if !takes_path(arg) || !takes_only_path(arg) && is_word(value) {
             return Ok(value.to_owned());
         }
         let resolved =
             self.folders.resolve(value).map_err(|error| anyhow!("`{}`: {error:#}", name_of(arg)))?;
+        self.named.push(resolved.clone());
         Ok(resolved.into_os_string())
     }
 }
@@ -285,6 +312,18 @@ mod tests {
                 .unwrap_err()
                 .contains("unknown argument")
         );
+    }
+
+    #[test]
+    fn files_are_found_beside_the_output_or_where_the_line_names_them() {
+        let place = tempfile::tempdir().unwrap();
+        let [scan, asset, trials] =
+            ["scans/a.glb", "out/a.glb", "tables/t.csv"].map(|name| place.path().join(name));
+        fs::create_dir(place.path().join("out")).unwrap();
+        fs::write(&asset, "").unwrap();
+        let written = Written { folder: place.path().join("out"), named: vec![scan, asset.clone(), trials.clone()] };
+        assert_eq!(["a.glb", "t.csv"].map(|name| written.path(name)), [asset, trials]);
+        assert_eq!(written.path("gone.png"), place.path().join("out/gone.png"));
     }
 
     #[test]

@@ -3,7 +3,7 @@
 // Newer versions of the protocol deprecate roots, but have no replacement for them, and all clients send them.
 #![expect(deprecated, reason = "roots")]
 
-use super::arguments::CommandLine;
+use super::arguments::{CommandLine, Written};
 use super::child::{self, Done, Listener};
 use super::folders::Folders;
 use super::tools::{Subcommand, tools};
@@ -19,7 +19,6 @@ use rmcp::model::{
 use rmcp::service::RequestContext;
 use rmcp::{ErrorData, Peer, RoleServer, ServerHandler};
 use serde_json::Value;
-use std::path::Path;
 use std::time::Duration;
 use tokio::sync::Semaphore;
 
@@ -104,7 +103,7 @@ impl Server {
         };
         let mut listener = Notifier::of(context);
         let done = child::run(&line.arguments, place.path(), &mut listener, context.ct.cancelled()).await?;
-        Ok(result(done.context("cancelled")?, line.written.as_deref())?.into())
+        Ok(result(done.context("cancelled")?, line.written.as_ref())?.into())
     }
 }
 
@@ -155,7 +154,7 @@ impl Listener for Notifier {
 ///
 /// # Errors
 /// If it failed; the message is its own.
-fn result(done: Done, written: Option<&Path>) -> Result<CallToolResult> {
+fn result(done: Done, written: Option<&Written>) -> Result<CallToolResult> {
     if !matches!(done.code, Some(0 | 1)) {
         bail!("{}", failure(&done));
     }
@@ -193,14 +192,14 @@ fn failure(done: &Done) -> String {
     }
 }
 
-/// Returns the report as shown to clients: without its longest parts, and with the absolute paths of the files in the
-/// folder `written`.
-fn shown(mut report: JsonObject, written: Option<&Path>) -> Value {
+/// Returns the report as shown to clients: without its longest parts, and with the absolute paths of the files
+/// that were written.
+fn shown(mut report: JsonObject, written: Option<&Written>) -> Value {
     report.retain(|key, _| !LEFT_OUT.contains(&key.as_str()));
     if let Some(Value::Array(files)) = report.get_mut("files") {
         files.retain_mut(|file| match (written, file.as_str()) {
-            (Some(folder), Some(name)) => {
-                *file = folder.join(name).display().to_string().into();
+            (Some(written), Some(name)) => {
+                *file = written.path(name).display().to_string().into();
                 true
             }
             _ => false,
@@ -286,7 +285,8 @@ mod tests {
 
     #[test]
     fn a_requirement_that_is_not_met_is_a_result() {
-        let shown = result(done(Some(1), &["warning"]), Some(Path::new("/in"))).unwrap();
+        let written = Written { folder: "/in".into(), named: Vec::new() };
+        let shown = result(done(Some(1), &["warning"]), Some(&written)).unwrap();
         assert_eq!(
             (shown.is_error, shown.structured_content),
             (Some(false), Some(json!({ "files": ["/in/a.png"] })))

@@ -85,10 +85,12 @@ fn an_asset_without_normals_and_uvs_is_flat_and_the_scan_is_read_as_asked() {
 #[test]
 fn a_baked_asset_with_levels_has_the_proof_of_its_bake() {
     let scan = Ball { rings: 24, meridians: 48, waves: 0.01, ..SCAN };
-    let place = Place::with("scan.obj", scan.obj());
+    let place = Place::with("scan.obj", format!("mtllib gone.mtl\n{}", scan.obj()));
     let line = "bake scan.obj -o out.glb --triangles 400 --lods 100 --size 64 --json";
     let baked = place.json(line);
     let verified = place.json("verify out.glb --scan scan.obj --json");
+    let warned = verified["warnings"].to_string();
+    assert!(warned.contains("gone.mtl"), "warnings of reading the scan are in the report: {warned}");
     assert_eq!(verified.pointer("/proof/levels").and_then(Value::as_array).map(Vec::len), Some(2));
     assert_eq!(verified["proof"].to_string(), baked["proof"].to_string());
 }

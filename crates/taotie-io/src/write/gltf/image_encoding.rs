@@ -6,7 +6,7 @@ use crate::write::still_image::interleaved;
 use crate::{PngColor, PngImage, PngSamples, encode_png};
 use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
 #[cfg(feature = "avif")]
-use ravif::{BitDepth, ColorModel, Img, RGB8};
+use ravif::{AlphaColorMode, BitDepth, ColorModel, Img, RGBA8};
 use std::borrow::Cow;
 use taotie_engine::error::{Error, Result};
 use taotie_engine::image::{Bitmap, Encoding, Texels, Texture};
@@ -212,15 +212,17 @@ const AVIF_SPEED: u8 = 8;
 /// [`Error::Invalid`] if rav1e rejects the size.
 #[cfg(feature = "avif")]
 fn encode_avif([width, height]: [u32; 2], samples: &[u8], quality: u8) -> Result<Vec<u8>> {
-    let pixels: Vec<RGB8> =
-        samples.as_chunks::<3>().0.iter().map(|[r, g, b]| RGB8::new(*r, *g, *b)).collect();
+    // `encode_rgb` is inlined, with a copy of the whole encoder for each bit depth.
+    let pixels: Vec<RGBA8> =
+        samples.as_chunks::<3>().0.iter().map(|[r, g, b]| RGBA8::new(*r, *g, *b, u8::MAX)).collect();
     let encoder = ravif::Encoder::new()
         .with_quality(quality.into())
         .with_speed(AVIF_SPEED)
         .with_bit_depth(BitDepth::Eight)
         .with_internal_color_model(ColorModel::RGB)
+        .with_alpha_color_mode(AlphaColorMode::UnassociatedDirty)
         .with_num_threads(Some(1));
-    let encoded = encoder.encode_rgb(Img::new(&pixels[..], width as usize, height as usize));
+    let encoded = encoder.encode_rgba(Img::new(&pixels[..], width as usize, height as usize));
     let what = || format!("{width}×{height} AVIF texture");
     encoded.map(|image| image.avif_file).map_err(|error| Error::invalid(what(), error.to_string()))
 }

@@ -213,7 +213,7 @@ impl Report {
             bake: None,
             trials: Vec::new(),
             stages: Vec::new(),
-            warnings: proof.warnings.list(),
+            warnings: [scan.warnings(), &proof.warnings].map(Warnings::list).concat(),
         })
     }
 
