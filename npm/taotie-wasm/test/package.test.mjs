@@ -56,6 +56,9 @@ test("errors are those of the program", async () => {
     await assert.rejects(taotie.bake("broken.ply", { output: "x.glb" }, { files }), refused);
     const { code, stderr } = await taotie.run(["bake", "broken.ply", "-o", "x.glb"], { files });
     assert.deepEqual([code, stderr], [2, `taotie: error: ${wanted}`]);
+    const untranslated = await taotie.run(["shader", "--target", "hlsl", "-o", "x"], { files });
+    assert.equal(untranslated.code, 2);
+    assert.match(untranslated.stderr, /in hlsl: not in the WebAssembly module; use wgsl/);
     const unknown = (error) => error instanceof TaotieError && error.message.includes("--no-such-option");
     await assert.rejects(taotie.bake("waves.obj", { "no-such-option": 1 }, { files }), unknown);
     await assert.rejects(taotie.run(["inspect", "../a.ply"], { files: { "../a.ply": "" } }), /invalid file name/);

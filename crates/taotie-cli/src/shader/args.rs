@@ -8,7 +8,7 @@ use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use taotie::studio::{EnvironmentOptions, EnvironmentSource, MaterialOptions};
 use taotie_engine::render::RenderSettings;
-use taotie_shader::{Language, PixelShader, Translation, Variant, pixel_shader, translate};
+use taotie_shader::{Language, PixelShader, Variant, pixel_shader};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -131,18 +131,38 @@ impl Target {
         let shader = pixel_shader(variant, language);
         let file = |end: &str, bytes: Vec<u8>| NamedFile::new(format!("{name}.{end}"), bytes);
         let text = || shader.text.clone().into_bytes();
-        let translated =
-            |to| translate(&shader, to).with_context(|| format!("the shader `{name}` in {}", self.name()));
+        let translated = || {
+            translation(self, &shader).with_context(|| format!("the shader `{name}` in {}", self.name()))
+        };
         let files = match self {
             Self::Wgsl => vec![file("wgsl", text())],
             Self::GlslEs => {
                 let vertex = shader.vertex_text.clone().unwrap_or_default();
                 vec![file("frag", text()), file("vert", vertex.into_bytes())]
             }
-            Self::Hlsl => vec![file("hlsl", translated(Translation::Hlsl)?)],
-            Self::Msl => vec![file("metal", translated(Translation::Msl)?)],
-            Self::Spirv => vec![file("spv", translated(Translation::SpirV)?)],
+            Self::Hlsl => vec![file("hlsl", translated()?)],
+            Self::Msl => vec![file("metal", translated()?)],
+            Self::Spirv => vec![file("spv", translated()?)],
         };
         Ok(Written { shader, files })
     }
+}
+
+/// Returns a WGSL shader in a language that it can be translated to.
+#[cfg(not(target_family = "wasm"))]
+fn translation(target: Target, shader: &PixelShader) -> Result<Vec<u8>> {
+    use taotie_shader::{Translation, translate};
+    let to = match target {
+        Target::Hlsl => Translation::Hlsl,
+        Target::Msl => Translation::Msl,
+        Target::Spirv => Translation::SpirV,
+        Target::Wgsl | Target::GlslEs => bail!("it is not translated"),
+    };
+    Ok(translate(shader, to)?)
+}
+
+/// The compiler of shaders is an eighth of what browsers would have to load.
+#[cfg(target_family = "wasm")]
+fn translation(_: Target, _: &PixelShader) -> Result<Vec<u8>> {
+    bail!("not in the WebAssembly module; use wgsl or glsl-es, or the native program")
 }
