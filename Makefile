@@ -130,10 +130,10 @@ bench-store: ## Build the baseline of make bench-check: the latest tag, or BASE=
 brute-force: ## Compare the search for the smallest asset with a grid of all combinations, for SCANS="a.obj b.glb"; takes minutes
 	SCANS="$(SCANS)" cargo test -p taotie --lib brute -- --ignored --nocapture
 
-# PROGRAMS lists them; the others are compared with the first:
+# PROGRAMS lists them; the others are compared with the first. BENCH="--models 300000" takes all models of up to 300,000 triangles:
 # make same-bytes PROGRAMS="x86=target/release/taotie 'arm64=qemu-aarch64 -L /usr/aarch64-linux-gnu TAOTIE'"
-same-bytes: ## Compare the baked files of programs for different processors and systems; takes minutes, an hour under emulation
-	PYTHONPATH=benches/common python3 benches/machines/machines.py $(PROGRAMS)
+same-bytes: ## Compare the files of programs for different processors and systems; takes minutes, an hour under emulation
+	PYTHONPATH=benches/common python3 benches/machines/machines.py $(PROGRAMS) $(BENCH)
 
 # The other tools come from npm. TAOTIE=/path/to/taotie uses that program instead of building one; the models are those of the
 # tests, ../shared/data or TAOTIE_DATA. Takes hours, and resumes after an interruption; BENCH=--check takes minutes and fails

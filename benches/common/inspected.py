@@ -6,7 +6,12 @@ import measure
 
 
 def of(program, path):
-    return json.loads(measure.run([program, "inspect", path, "--json"]).output)
+    return report([program], path)
+
+
+def report(words, path):
+    """The report by a program that takes several words to run."""
+    return json.loads(measure.run([*words, "inspect", path, "--json"]).output)
 
 
 def triangles(program, path):
