@@ -172,7 +172,7 @@ mod tests {
 
     #[test]
     fn names_of_other_folders_cases_and_extensions_are_found() {
-        let names = ["Coin 01.PNG", "coin 02.png", "mask.png", "x.jpg", "x.png", "notes.txt"];
+        let names = ["Coin 01.PNG", "coin 02.png", "0003.png", "mask.png", "x.jpg", "x.png", "notes.txt"];
         let folder = Folder { path: PathBuf::from("p"), names: names.map(str::to_owned).to_vec() };
         let found = |name: &str| folder.photograph(name).map(|path| path.to_string_lossy().into_owned());
         let first = Ok("p/Coin 01.PNG".to_owned());
@@ -180,8 +180,9 @@ mod tests {
         {
             assert_eq!(found(name).map(|path| path.replace('\\', "/")), first, "{name}");
         }
+        assert!(found("3").is_ok_and(|path| path.ends_with("0003.png")));
         assert!(found("x").unwrap_err().contains("both 'x.jpg' and 'x.png'"));
-        assert!(found("y.png").unwrap_err().contains("not among the 4 photographs"));
+        assert!(found("y.png").unwrap_err().contains("not among the 5 photographs"));
         assert!(found("mask.png").is_err() && found("").is_err());
         assert_eq!(folder.mask(), Some(PathBuf::from("p").join("mask.png")));
     }

@@ -1,18 +1,23 @@
 //! The uncertainty of a normal: a covariance on its tangent plane, and the radius in degrees that holds 68 %.
 //!
-//! Four sources add up, each scaled by a factor that was calibrated on generated photographs ([`FACTORS`]):
+//! Five sources add up, each scaled by a factor that was calibrated on generated photographs ([`FACTORS`]):
 //!
 //! 1. noise: the covariance of the weighted fit, σ² (Σ w l lᵀ)⁻¹, projected on the tangent plane;
 //! 2. misfit of the Lambertian model: the part of the residuals that neighbouring pixels share. Noise is independent
 //!    between pixels, misfit is not. It varies slowly with the light, so that more photographs do not reduce it;
 //! 3. indirect light: the angle by which its removal turned the normal;
-//! 4. curvature: a pixel shows the mean of normals that differ.
+//! 4. both together: a surface that is not Lambertian does not light its surroundings as assumed;
+//! 5. curvature: a pixel shows the mean of normals that differ.
 
 use crate::symmetric::{Sym2, Sym3};
 use taotie_engine::math::{Vec3, scalar};
 
-/// Factors of the standard deviations from noise, misfit, indirect light and curvature.
-const FACTORS: [f64; 4] = [1.0, 1.6, 0.21, 0.08];
+/// Factors of the standard deviations from noise, misfit, indirect light, both of these, and curvature.
+///
+/// Noise has the factor of theory. The others minimise the squared differences between the fractions of errors within
+/// 1 and 2 σ and those of a normal distribution, over 16 sets of generated photographs: two reliefs and five statues,
+/// each matt and satin. Leaving out all sets of one model changes no fraction by more than 0.05.
+const FACTORS: [f64; 5] = [1.0, 1.4, 0.07, 0.85, 0.02];
 
 /// The sources of the uncertainty of one pixel.
 #[derive(Debug, Clone, Copy)]
@@ -42,7 +47,8 @@ impl Sources {
         let scale = squares[0] * self.noise / (length * length);
         let same = squares[1] * self.misfit / (length * length)
             + squares[2] * self.turned * self.turned
-            + squares[3] * self.curvature;
+            + squares[3] * self.turned * self.misfit.sqrt() / length
+            + squares[4] * self.curvature;
         Sym2([scale * t.dot(of_t) + same, scale * t.dot(of_u), scale * u.dot(of_u) + same])
     }
 }

@@ -102,7 +102,7 @@ fn shadows_and_highlights_cost_the_robust_estimate_at_most_half_of_least_squares
 
 #[test]
 fn without_shadows_and_highlights_the_estimate_is_as_good_as_least_squares() {
-    let steep = Shooting { lowest_deg: 45.0, noise: 0.01, bounces: 0, ..Shooting::default() };
+    let steep = Shooting { lowest_deg: 45.0, noise: 0.01, ..Shooting::default() };
     let found = measured("gentle relief, matt, noisy", relief(0.35), &Finish::matt(0.6), steep);
     assert!(found.best < 1.02 * found.least_squares, "{found:?}");
     assert_calibrated(&[found], [0.08, 0.04]);

@@ -1,4 +1,6 @@
 //! The whole way from photographs to normals: accuracy on generated photographs, and files that are wrong.
+#![allow(clippy::print_stdout)]
 
 mod accuracy;
+mod malformed;
 mod studio;

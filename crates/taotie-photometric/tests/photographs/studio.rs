@@ -52,18 +52,17 @@ pub struct Shooting {
     pub noise: f64,
     /// Bits of the files: 16 linear, or 8 in sRGB.
     pub bits: u8,
-    pub bounces: u32,
 }
 
 impl Default for Shooting {
     fn default() -> Self {
-        Self { side: 96, lights: 36, lowest_deg: 65.0, noise: 0.002, bits: 16, bounces: 4 }
+        Self { side: 96, lights: 36, lowest_deg: 65.0, noise: 0.002, bits: 16 }
     }
 }
 
 /// Photographs on disk, with their true normals.
 pub struct Photographs {
-    pub folder: tempfile::TempDir,
+    _folder: tempfile::TempDir,
     pub lp: PathBuf,
     /// True normals; the fourth channel is 0 outside the mask.
     pub truth: Image,
@@ -112,7 +111,7 @@ pub fn photograph(mesh: Mesh, finish: &Finish, shooting: Shooting) -> Photograph
     );
     let path = folder.path().join("dome.lp");
     write_text(&path, &lp).unwrap();
-    Photographs { folder, lp: path, truth }
+    Photographs { _folder: folder, lp: path, truth }
 }
 
 fn scene(mesh: Mesh, finish: &Finish) -> Scene {
@@ -185,8 +184,7 @@ fn taken(
     let light = Light { name: String::new(), kind, color: Vec3::splat(2.0), falloff: Falloff::None };
     let lighting = Lighting { lights: vec![light], ..Lighting::default() };
     let shot = Shot { camera, lighting: &lighting, settings: &settings };
-    let paths =
-        ReferenceSettings { spp: 32, bounces: shooting.bounces, seed, ..ReferenceSettings::default() };
+    let paths = ReferenceSettings { spp: 32, seed, ..ReferenceSettings::default() };
     reference(prepared, &shot, &paths, Progress::SILENT).unwrap()
 }
 
