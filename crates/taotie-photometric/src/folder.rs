@@ -71,10 +71,13 @@ impl Folder {
         let base = name.rsplit(['/', '\\']).next().unwrap_or(name).trim();
         let photographs = self.photographs();
         let lower = base.to_lowercase();
-        let rules: [&dyn Fn(&str) -> bool; 3] =
-            [&|other| other == base, &|other| other.to_lowercase() == lower, &|other| {
-                !lower.is_empty() && stem(other) == stem(base)
-            }];
+        let number = base.parse::<u64>().ok();
+        let rules: [&dyn Fn(&str) -> bool; 4] = [
+            &|other| other == base,
+            &|other| other.to_lowercase() == lower,
+            &|other| !lower.is_empty() && stem(other) == stem(base),
+            &|other| number.is_some() && stem(other).parse().ok() == number,
+        ];
         for rule in rules {
             let found: Vec<&str> = photographs.iter().copied().filter(|other| rule(other)).collect();
             match found.as_slice() {
