@@ -74,11 +74,13 @@ fn measured(name: &str, mesh: Mesh, finish: &Finish, shooting: Shooting) -> Accu
     found
 }
 
-/// Asserts that σ describes the errors.
+/// Asserts that σ describes the errors: in each set to 0.15 and 0.07, and in all together to `worst`.
 fn assert_calibrated(found: &[Accuracy], worst: [f64; 2]) {
     for (k, (nominal, worst)) in [0.683, 0.954].into_iter().zip(worst).enumerate() {
+        let mean = found.iter().map(|accuracy| accuracy.within[k]).sum::<f64>() / found.len().max(1) as f64;
+        assert!(found.is_empty() || (mean - nominal).abs() < worst, "{k}: mean {mean}");
         for accuracy in found {
-            assert!((accuracy.within[k] - nominal).abs() < worst, "{k}: {accuracy:?}");
+            assert!((accuracy.within[k] - nominal).abs() < [0.15, 0.07][k], "{k}: {accuracy:?}");
         }
     }
 }
@@ -97,7 +99,7 @@ fn shadows_and_highlights_cost_the_robust_estimate_at_most_half_of_least_squares
     for accuracy in &found {
         assert!(accuracy.best < 0.5 * accuracy.least_squares, "{accuracy:?}");
     }
-    assert_calibrated(&found, [0.12, 0.05]);
+    assert_calibrated(&found, [0.08, 0.03]);
 }
 
 #[test]
@@ -105,10 +107,11 @@ fn without_shadows_and_highlights_the_estimate_is_as_good_as_least_squares() {
     let steep = Shooting { lowest_deg: 45.0, noise: 0.01, ..Shooting::default() };
     let found = measured("gentle relief, matt, noisy", relief(0.35), &Finish::matt(0.6), steep);
     assert!(found.best < 1.02 * found.least_squares, "{found:?}");
-    assert_calibrated(&[found], [0.08, 0.04]);
+    assert_calibrated(&[found], [0.15, 0.05]);
 }
 
 #[test]
+#[ignore = "traces 720 pictures, which takes minutes without optimisation"]
 fn shared_statues_are_measured_if_present() {
     let data = std::env::var_os("TAOTIE_DATA")
         .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"), Into::into);
@@ -135,7 +138,7 @@ fn shared_statues_are_measured_if_present() {
     for accuracy in &found {
         assert!(accuracy.best < 0.5 * accuracy.least_squares, "{accuracy:?}");
     }
-    assert_calibrated(&found, [0.12, 0.06]);
+    assert_calibrated(&found, [0.05, 0.04]);
 }
 
 #[test]

@@ -3,4 +3,5 @@
 
 mod accuracy;
 mod malformed;
+mod speed;
 mod studio;
