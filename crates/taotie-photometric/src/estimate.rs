@@ -2,7 +2,7 @@
 
 use crate::block::LANES;
 use crate::grid::Grid;
-use crate::indirect::Indirect;
+use crate::indirect::{Indirect, quantile};
 use crate::residuals::{LightResiduals, PixelResiduals, Residuals};
 use crate::robust::{self, Fit, Robust, Scratch};
 use crate::samples::Samples;
@@ -13,6 +13,12 @@ use taotie_engine::error::{Error, Result};
 use taotie_engine::image::Image;
 use taotie_engine::math::Vec3;
 use taotie_engine::{Progress, parallel};
+
+/// The largest uncertainty of a normal, degrees. Beyond it, as in a dark background, the normal means nothing.
+const MOST_SIGMA_DEG: f64 = 45.0;
+
+/// The fraction of the bright pixels' albedo below which a pixel is background.
+const BACKGROUND: f64 = 0.005;
 
 /// Blocks of a task.
 const BLOCKS: usize = 64;
@@ -46,7 +52,8 @@ pub struct Estimate {
     height: u32,
     /// The number of the pixel of each estimate, row by row.
     pub pixels: Vec<u32>,
-    /// The best estimate of each pixel; `None` if too few samples agree, or the normal faces away.
+    /// The best estimate of each pixel; `None` if it is black, too few samples agree, the normal faces
+    /// away, or its uncertainty is above 45°.
     pub best: Vec<Option<PixelEstimate>>,
     /// Unit normals by least squares; zero without light.
     least_squares: Vec<Vec3<f64>>,
@@ -197,10 +204,11 @@ fn best(
     let shared: Vec<f64> = residuals.iter().map(|residuals| residuals.shared).collect();
     let normals: Vec<Vec3<f64>> = direct.iter().map(|b| unit(*b)).collect();
     let table = RadiusTable::new();
+    let background = BACKGROUND * quantile(direct.iter().map(|b| b.length()).collect(), 0.95);
     parallel::collect(direct.len(), |i| {
         let (b, normal) = (direct[i], normals[i]);
         let inverse = residuals[i].inverse?;
-        if normal.z.is_nan() || normal.z <= 0.0 {
+        if normal.z.is_nan() || normal.z <= 0.0 || b.length() <= background {
             return None;
         }
         let misfit = grid.smoothed(&shared, i);
@@ -215,12 +223,16 @@ fn best(
         let curvature = if count > 0.0 { sum / count } else { 0.0 };
         let covariance = Sources { b, inverse, noise, misfit, turned, curvature }.covariance();
         let deviations = covariance.eigenvalues().map(f64::sqrt);
+        let sigma_deg = table.radius(deviations).to_degrees();
+        if sigma_deg.is_nan() || sigma_deg > MOST_SIGMA_DEG {
+            return None;
+        }
         let albedo = b.length();
         Some(PixelEstimate {
             normal,
             albedo,
             covariance,
-            sigma_deg: table.radius(deviations).to_degrees(),
+            sigma_deg,
             residual: residuals[i].variance.sqrt() / albedo,
         })
     })

@@ -24,6 +24,12 @@ const ROUNDS: usize = 2;
 const FEWEST_SHADOWS: usize = 50;
 /// The albedo of bright pixels assumed without shadows.
 const ASSUMED_ALBEDO: f64 = 0.5;
+/// The quantile of |b| that counts as bright.
+const BRIGHT: f64 = 0.95;
+/// The fraction of the bright |b| below which a cell is background.
+const DARK: f64 = 0.02;
+/// The sine of the angle by which a surface must face away from a light to be in shadow.
+const SHADOW: f64 = 0.05;
 /// The most albedo of bright pixels, as stray light in the room would make it larger.
 const MOST_ALBEDO: f64 = 0.9;
 
@@ -32,7 +38,7 @@ const MOST_ALBEDO: f64 = 0.9;
 pub struct Indirect {
     /// Normal times albedo of each pixel, without indirect light.
     pub direct: Vec<Vec3<f64>>,
-    /// Albedo of the bright pixels (the 95th percentile).
+    /// Albedo of bright pixels (the 95th percentile).
     pub albedo: f64,
     /// The number of samples in shadow that it was measured in; 0 if it is assumed.
     pub shadows: usize,
@@ -82,6 +88,12 @@ fn without(fitted: Vec3<f64>, in_sight: Vec3<f64>, factor: f64) -> Vec3<f64> {
     if b.length() < 0.5 * fitted.length() { fitted } else { b }
 }
 
+/// Returns the element at a quantile, 0 of none.
+pub fn quantile(mut values: Vec<f64>, q: f64) -> f64 {
+    values.sort_unstable_by(f64::total_cmp);
+    values.get((q * values.len() as f64) as usize).copied().unwrap_or(0.0)
+}
+
 /// Means over square cells of pixels.
 struct Coarse {
     grid: Grid,
@@ -113,15 +125,18 @@ impl Coarse {
             let [x, y] = grid.position(element);
             members[y / size * width + x / size].push(element as u32);
         }
-        // At least half of a cell's pixels must belong to the object.
-        let is_cell = |members: &Vec<u32>| 2 * members.len() >= size * size;
-        let cells: Vec<u32> =
-            (0..members.len()).filter(|cell| is_cell(&members[*cell])).map(|cell| cell as u32).collect();
-        let members: Vec<&Vec<u32>> = cells.iter().map(|cell| &members[*cell as usize]).collect();
-        let mean = |members: &&Vec<u32>| {
-            members.iter().fold(Vec3::splat(0.0), |sum, i| sum + fitted[*i as usize]) / members.len() as f64
+        let mean = |members: &Vec<u32>| {
+            let sum = members.iter().fold(Vec3::splat(0.0), |sum, i| sum + fitted[*i as usize]);
+            sum / members.len().max(1) as f64
         };
-        let fitted = members.iter().map(mean).collect();
+        let means: Vec<Vec3<f64>> = members.iter().map(mean).collect();
+        let dark = DARK * quantile(means.iter().map(|b| b.length()).collect(), BRIGHT);
+        // At least half of a cell's pixels must belong to the object.
+        let is_cell = |cell: &usize| 2 * members[*cell].len() >= size * size && means[*cell].length() > dark;
+        let cells: Vec<usize> = (0..members.len()).filter(is_cell).collect();
+        let members: Vec<&Vec<u32>> = cells.iter().map(|cell| &members[*cell]).collect();
+        let fitted = cells.iter().map(|cell| means[*cell]).collect();
+        let cells = cells.into_iter().map(|cell| cell as u32).collect();
         let images = parallel::tasks(samples.images.len(), &|k| {
             let grey = |i: &u32| samples.images[k][*i as usize].grey();
             members
@@ -140,17 +155,13 @@ impl Coarse {
         });
         let in_sight = in_sight.collect();
         let lengths: Vec<f64> = direct.iter().map(|b| b.length()).collect();
-        let mut sorted = lengths.clone();
-        sorted.sort_unstable_by(f64::total_cmp);
-        let rank = |q: f64| sorted.get((q * sorted.len() as f64) as usize).copied().unwrap_or(1.0);
-        let (typical, bright) = (rank(0.5), rank(0.95).max(f64::MIN_POSITIVE));
+        let typical = quantile(lengths.clone(), 0.5);
+        let bright = quantile(lengths.clone(), BRIGHT).max(f64::MIN_POSITIVE);
         // Regression through the origin of the grey in attached shadows on the light in sight.
         let (mut product, mut square, mut shadows) = (0.0, 0.0, 0);
         for (cell, b) in direct.iter().enumerate() {
-            for (k, l) in
-                samples.lights.iter().enumerate().filter(|(_, l)| b.dot(**l) < -0.05 * lengths[cell])
-            {
-                let _ = l;
+            let in_shadow = |(_, l): &(usize, &Vec3<f64>)| b.dot(**l) < -SHADOW * lengths[cell];
+            for (k, _) in samples.lights.iter().enumerate().filter(in_shadow) {
                 let seen: f64 = rays(cell).map(|hit| f64::from(self.images[k][*hit as usize])).sum();
                 let x = lengths[cell] * seen / RAYS as f64;
                 if x > 1e-4 * typical * typical {

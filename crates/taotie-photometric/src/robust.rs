@@ -19,9 +19,9 @@ const DARKEST: f64 = 0.35;
 /// Fraction of the brightest samples that the start leaves out.
 const BRIGHTEST: f64 = 0.15;
 /// Steps of L1.
-const L1_STEPS: usize = 10;
+const L1_STEPS: usize = 7;
 /// Steps of the biweight.
-const REFINEMENTS: usize = 6;
+const REFINEMENTS: usize = 5;
 /// Residuals in scales from which a sample has no weight.
 const CUT: f64 = 3.0;
 /// Sum of weights below which a pixel keeps its start.
@@ -112,6 +112,11 @@ impl<'a> Robust<'a> {
         typical: f64,
         scratch: &mut Scratch,
     ) -> [Fit; LANES] {
+        let is_clean = |fit: &Fit| fit.deviation <= CLEAN * fit.scale.max(typical);
+        let as_all = |fit: Fit| Fit { robust: fit.least_squares, scale: f64::INFINITY, ..fit };
+        if fits.iter().all(is_clean) {
+            return fits.map(as_all);
+        }
         self.load(first, scratch);
         let start: [Pack; 3] = std::array::from_fn(|c| fits.map(|fit| fit.robust.to_array()[c]));
         let scales = fits.map(|fit| fit.scale);
@@ -131,10 +136,7 @@ impl<'a> Robust<'a> {
         }
         std::array::from_fn(|lane| {
             let fit = fits[lane];
-            match fit.deviation <= CLEAN * fit.scale.max(typical) {
-                true => Fit { robust: fit.least_squares, scale: f64::INFINITY, ..fit },
-                false => Fit { robust: vector(&b, lane), ..fit },
-            }
+            if is_clean(&fit) { as_all(fit) } else { Fit { robust: vector(&b, lane), ..fit } }
         })
     }
 

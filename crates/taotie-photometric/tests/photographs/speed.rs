@@ -25,7 +25,7 @@ fn a_dome_of_96_photographs_is_fast() {
                 let [p, q] = [0.8 * scalar::sin(40.0 * x), 0.8 * scalar::sin(30.0 * y)];
                 let shaded = (light.z - p * light.x - q * light.y) / (1.0 + p * p + q * q).sqrt();
                 let grain = ((i * 7919 + k * 104_729) % 1000) as f64 * 1e-5;
-                ((0.6 * shaded.max(0.0) + shaded.max(0.0).powi(40) * 0.3 + grain) * 65_535.0) as u16
+                ((0.6 * shaded.max(0.0) + scalar::pow(shaded.max(0.0), 40.0) * 0.3 + grain) * 65_535.0) as u16
             })
             .collect();
         let name = format!("{k}.png");
