@@ -154,6 +154,9 @@ impl Coarse {
             rays(cell).fold(Vec3::splat(0.0), |sum, hit| sum + self.fitted[*hit as usize]) / RAYS as f64
         });
         let in_sight = in_sight.collect();
+        if direct.is_empty() {
+            return Light { in_sight, factor: 0.0, bright: 1.0, shadows: 0 };
+        }
         let lengths: Vec<f64> = direct.iter().map(|b| b.length()).collect();
         let typical = quantile(lengths.clone(), 0.5);
         let bright = quantile(lengths.clone(), BRIGHT).max(f64::MIN_POSITIVE);

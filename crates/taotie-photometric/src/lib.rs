@@ -24,6 +24,7 @@ mod grid;
 mod indirect;
 mod light;
 mod lp;
+mod plane;
 mod relief;
 mod residuals;
 mod robust;

@@ -61,6 +61,7 @@ pub struct Robust<'a> {
 pub struct Scratch {
     samples: Vec<Pack>,
     kept: Vec<Pack>,
+    residuals: Vec<Pack>,
     sorted: Vec<f64>,
 }
 
@@ -88,19 +89,22 @@ impl<'a> Robust<'a> {
         self.load(first, scratch);
         let all = vec![[1.0; LANES]; self.lights.len()];
         let least_squares = self.solve(scratch, &all, &[[0.0; LANES]; 3]);
-        let start = if self.lights.len() < FEWEST { least_squares } else { self.l1(scratch, &least_squares) };
+        self.subtract(scratch, &least_squares);
+        let deviations = self.deviations(scratch);
+        let fit = |lane: usize, start: &[Pack; 3], scale: f64| Fit {
+            least_squares: vector(&least_squares, lane),
+            deviation: deviations[lane],
+            robust: vector(start, lane),
+            scale,
+        };
+        if self.lights.len() < FEWEST {
+            return std::array::from_fn(|lane| fit(lane, &least_squares, f64::INFINITY));
+        }
+        let start = self.l1(scratch, &least_squares);
+        self.subtract(scratch, &start);
         std::array::from_fn(|lane| {
-            let deviation = self.deviation(&least_squares, lane, scratch);
-            let scale = match self.lights.len() < FEWEST {
-                true => f64::INFINITY,
-                false => self.scale(&start, lane, scratch),
-            };
-            Fit {
-                least_squares: vector(&least_squares, lane),
-                deviation,
-                robust: vector(&start, lane),
-                scale,
-            }
+            let scale = self.scale(vector(&start, lane).length(), lane, scratch);
+            fit(lane, &start, scale)
         })
     }
 
@@ -209,28 +213,37 @@ impl<'a> Robust<'a> {
         b
     }
 
-    /// Returns the standard deviation of the residuals of all samples.
-    fn deviation(&self, b: &[Pack; 3], lane: usize, scratch: &Scratch) -> f64 {
-        let residuals = self.lights.iter().zip(&scratch.samples);
-        let squares: f64 =
-            residuals.map(|(light, samples)| samples[lane] - shaded(b, light)[lane]).map(|r| r * r).sum();
-        (squares / (self.lights.len() - 3) as f64).sqrt()
+    /// Computes the residuals of all samples.
+    fn subtract(&self, scratch: &mut Scratch, b: &[Pack; 3]) {
+        scratch.residuals.clear();
+        for (light, samples) in self.lights.iter().zip(&scratch.samples) {
+            let shaded = shaded(b, light);
+            scratch.residuals.push(std::array::from_fn(|lane| samples[lane] - shaded[lane]));
+        }
+    }
+
+    /// Returns the standard deviations of the residuals of all samples.
+    fn deviations(&self, scratch: &Scratch) -> Pack {
+        let mut squares = [0.0; LANES];
+        for residuals in &scratch.residuals {
+            (0..LANES).for_each(|lane| squares[lane] += residuals[lane] * residuals[lane]);
+        }
+        squares.map(|sum| (sum / (self.lights.len() - 3) as f64).sqrt())
     }
 
     /// Returns the scale of the residuals of the samples that the start keeps.
-    fn scale(&self, b: &[Pack; 3], lane: usize, scratch: &mut Scratch) -> f64 {
-        let Scratch { samples, kept, sorted } = scratch;
-        let all = self.lights.iter().zip(samples.iter()).zip(kept.iter());
-        let of_kept = all.filter(|(_, kept)| kept[lane] > 0.0);
+    fn scale(&self, length: f64, lane: usize, scratch: &mut Scratch) -> f64 {
+        let Scratch { kept, residuals, sorted, .. } = scratch;
+        let of_kept = residuals.iter().zip(kept.iter()).filter(|(_, kept)| kept[lane] > 0.0);
         sorted.clear();
-        sorted.extend(of_kept.map(|((light, samples), _)| (samples[lane] - shaded(b, light)[lane]).abs()));
-        let least = LEAST_SCALE * vector(b, lane).length();
+        sorted.extend(of_kept.map(|(residuals, _)| residuals[lane].abs()));
+        let least = (LEAST_SCALE * length).max(f64::MIN_POSITIVE);
         if sorted.is_empty() {
-            return least.max(f64::MIN_POSITIVE);
+            return least;
         }
         let middle = sorted.len() / 2;
         let median = *sorted.select_nth_unstable_by(middle, f64::total_cmp).1;
-        (NORMAL_MAD * median).max(least).max(f64::MIN_POSITIVE) * self.spread()
+        (NORMAL_MAD * median).max(least) * self.spread()
     }
 }
 

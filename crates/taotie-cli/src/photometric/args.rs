@@ -28,7 +28,8 @@ pub struct PhotometricArgs {
     /// The folder of photographs, or their .lp file
     #[arg(value_name = "FOLDER|FILE.lp")]
     pub input: PathBuf,
-    /// The folder to write: normals, uncertainty, albedo, residuals, mask and report.json
+    /// The folder to write: normals, uncertainty, albedo, residuals, mask, plane.glb
+    /// with the maps, and report.json
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
     /// The mask: white where normals are estimated [default: mask.png next to the photographs, otherwise everything]
@@ -49,7 +50,7 @@ pub struct PhotometricArgs {
 }
 
 /// The files that are written.
-pub const OUTPUTS: [&str; 8] = [
+pub const OUTPUTS: [&str; 9] = [
     "normals.png",
     "normals.exr",
     "sigma.png",
@@ -57,6 +58,7 @@ pub const OUTPUTS: [&str; 8] = [
     "albedo.png",
     "residual.exr",
     "mask.png",
+    "plane.glb",
     "report.json",
 ];
 

@@ -2,6 +2,7 @@
 
 use super::PhotometricArgs;
 use anyhow::Result;
+use taotie_engine::Warnings;
 use taotie_engine::compare::{ColorMap, Field};
 use taotie_engine::film::Development;
 use taotie_engine::image::{Encoding, Image};
@@ -10,8 +11,8 @@ use taotie_io::{FileSet, ImageFormat, PngColor, PngImage, PngSamples};
 use taotie_photometric::{Estimate, Estimator};
 use taotie_report::heat_map::HeatMap;
 
-/// Writes all files except the report.
-pub fn write(args: &PhotometricArgs, files: &FileSet, estimate: &Estimate) -> Result<()> {
+/// Writes all files except the report, and returns warnings about the GLB.
+pub fn write(args: &PhotometricArgs, files: &FileSet, estimate: &Estimate) -> Result<Warnings> {
     let normals = estimate.normals(Estimator::Best);
     write_floats(args, files, ("normals.exr", &normals))?;
     let codes: Vec<u16> = normals.pixels().iter().flat_map(|pixel| normal_codes(*pixel)).collect();
@@ -30,7 +31,11 @@ pub fn write(args: &PhotometricArgs, files: &FileSet, estimate: &Estimate) -> Re
     write_png(args, files, ("mask.png", estimate), (PngColor::Grey, samples, Encoding::Linear))?;
     let albedo = albedo_codes(estimate);
     let samples = PngSamples::U8(&albedo);
-    write_png(args, files, ("albedo.png", estimate), (PngColor::Grey, samples, Encoding::Srgb))
+    write_png(args, files, ("albedo.png", estimate), (PngColor::Grey, samples, Encoding::Srgb))?;
+    let mut warnings = Warnings::default();
+    let plane = taotie_io::encode_scene(&estimate.plane()?, &["plane".to_owned()], &mut warnings)?;
+    files.write_bytes(&args.path("plane.glb"), &plane)?;
+    Ok(warnings)
 }
 
 fn write_floats(args: &PhotometricArgs, files: &FileSet, (name, image): (&str, &Image)) -> Result<()> {

@@ -48,7 +48,7 @@ fn estimate(args: &PhotometricArgs) -> Result<Report> {
     let without = estimate.best.iter().filter(|best| best.is_none()).count();
     warnings.note("a pixel has no normal: too little light, or too few samples that agree", without);
     progress.begin("write")?;
-    files::write(args, &files, &estimate)?;
+    warnings.absorb(files::write(args, &files, &estimate)?);
     let errors = truth.map(|truth| errors(&estimate, &truth)).transpose()?;
     let mut report = Report::new(args, &set, &samples, &estimate);
     report.truth = errors;

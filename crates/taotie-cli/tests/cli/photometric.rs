@@ -60,9 +60,16 @@ fn normals_are_those_of_the_model() {
     let mean = |which: &str| report["truth"][which]["mean"].as_f64().expect("a number");
     assert!(mean("robust") < 1.0, "{report:#}");
     assert!(mean("best") < 2.0, "{report:#}");
-    for name in
-        ["normals.png", "normals.exr", "sigma.png", "sigma.exr", "albedo.png", "residual.exr", "mask.png"]
-    {
+    for name in [
+        "normals.png",
+        "normals.exr",
+        "sigma.png",
+        "sigma.exr",
+        "albedo.png",
+        "residual.exr",
+        "mask.png",
+        "plane.glb",
+    ] {
         assert!(place.path("out").join(name).is_file(), "{name}");
     }
     let written: Value = serde_json::from_slice(&place.read("out/report.json")).expect("it is JSON");

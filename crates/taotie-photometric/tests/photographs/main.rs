@@ -3,5 +3,6 @@
 
 mod accuracy;
 mod malformed;
+mod plane;
 mod speed;
 mod studio;
