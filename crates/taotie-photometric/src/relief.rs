@@ -79,6 +79,7 @@ fn conjugate_gradients(count: usize, edges: &[([usize; 2], f64)]) -> Vec<f64> {
 /// Returns for each cell the cells that [`RAYS`] cosine-distributed rays meet, or [`SKY`].
 pub fn visible(grid: &Grid, heights: &[f64], normals: &[Vec3<f64>]) -> Vec<u32> {
     let top = heights.iter().fold(f64::NEG_INFINITY, |top, v| v.max(top));
+    let relief = Relief { grid, heights, top };
     let local: Vec<[f64; 3]> = (0..RAYS).map(cosine_direction).collect();
     let mut hits = vec![SKY; grid.pixels.len() * RAYS];
     parallel::pieces(&mut hits, RAYS, &|cell, hits| {
@@ -87,7 +88,7 @@ pub fn visible(grid: &Grid, heights: &[f64], normals: &[Vec3<f64>]) -> Vec<u32> 
         let b = n.cross(t);
         for (hit, [x, y, z]) in hits.iter_mut().zip(&local) {
             let ray = t * *x + b * *y + n * *z;
-            *hit = first_hit(grid, heights, cell, (ray, top)).map_or(SKY, |cell| cell as u32);
+            *hit = relief.first_hit(cell, ray).map_or(SKY, |cell| cell as u32);
         }
     });
     hits
@@ -103,31 +104,42 @@ fn cosine_direction(i: usize) -> [f64; 3] {
     [r * scalar::cos(angle), r * scalar::sin(angle), (1.0 - u).sqrt()]
 }
 
-/// Returns the cell that a ray from `cell` meets; `top` is the greatest height.
-fn first_hit(grid: &Grid, heights: &[f64], cell: usize, (ray, top): (Vec3<f64>, f64)) -> Option<usize> {
-    /// The distance within which a cell does not see its surroundings, cells.
-    const NEAR: f64 = 2.0;
-    let across = (ray.x * ray.x + ray.y * ray.y).sqrt();
-    if across < 1e-6 {
-        return None;
-    }
-    let [x, y] = grid.position(cell).map(|v| v as f64);
-    let (dx, dy, dz) = (ray.x / across, -ray.y / across, ray.z / across);
-    let most = (grid.width + grid.height) as f64;
-    let mut distance = NEAR;
-    while distance < most {
-        let height = heights[cell] + dz * distance;
-        let [column, row] = [x + dx * distance, y + dy * distance].map(|v| (v + 0.5).floor() as i64);
-        let outside = column < 0 || row < 0 || column >= grid.width as i64 || row >= grid.height as i64;
-        if outside || height > top {
+/// Heights over a grid.
+struct Relief<'a> {
+    grid: &'a Grid,
+    heights: &'a [f64],
+    /// The greatest height.
+    top: f64,
+}
+
+impl Relief<'_> {
+    /// Returns the cell that a ray from `cell` meets.
+    fn first_hit(&self, cell: usize, ray: Vec3<f64>) -> Option<usize> {
+        /// The distance within which a cell does not see its surroundings, cells.
+        const NEAR: f64 = 2.0;
+        let across = (ray.x * ray.x + ray.y * ray.y).sqrt();
+        if across < 1e-6 {
             return None;
         }
-        if let Some(other) = grid.at(column, row)
-            && heights[other] > height
-        {
-            return Some(other);
+        let [x, y] = self.grid.position(cell).map(|v| v as f64);
+        let (dx, dy, dz) = (ray.x / across, -ray.y / across, ray.z / across);
+        let most = (self.grid.width + self.grid.height) as f64;
+        let mut distance = NEAR;
+        while distance < most {
+            let height = self.heights[cell] + dz * distance;
+            let [column, row] = [x + dx * distance, y + dy * distance].map(|v| (v + 0.5).floor() as i64);
+            let outside =
+                column < 0 || row < 0 || column >= self.grid.width as i64 || row >= self.grid.height as i64;
+            if outside || height > self.top {
+                return None;
+            }
+            if let Some(other) = self.grid.at(column, row)
+                && self.heights[other] > height
+            {
+                return Some(other);
+            }
+            distance += (0.06 * distance).max(1.0);
         }
-        distance += (0.06 * distance).max(1.0);
+        None
     }
-    None
 }

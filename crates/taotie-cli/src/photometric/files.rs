@@ -11,61 +11,76 @@ use taotie_io::{FileSet, ImageFormat, PngColor, PngImage, PngSamples};
 use taotie_photometric::{Estimate, Estimator};
 use taotie_report::heat_map::HeatMap;
 
-/// Writes all files except the report, and returns warnings about the GLB.
-pub fn write(args: &PhotometricArgs, files: &FileSet, estimate: &Estimate) -> Result<Warnings> {
-    let normals = estimate.normals(Estimator::Best);
-    write_floats(args, files, ("normals.exr", &normals))?;
-    let codes: Vec<u16> = normals.pixels().iter().flat_map(|pixel| normal_codes(*pixel)).collect();
-    let samples = PngSamples::U16(&codes);
-    write_png(args, files, ("normals.png", estimate), (PngColor::Rgba, samples, Encoding::Linear))?;
-    let sigma = estimate.image(|_, best| {
-        let [larger, smaller] = best.covariance.eigenvalues().map(|variance| variance.sqrt().to_degrees());
-        [best.sigma_deg, larger, smaller]
-    });
-    write_floats(args, files, ("sigma.exr", &sigma))?;
-    write_sigma(args, files, &sigma)?;
-    let residual = estimate.image(|_, best| [best.residual; 3]);
-    write_floats(args, files, ("residual.exr", &residual))?;
-    let mask: Vec<u8> = normals.pixels().iter().map(|pixel| if pixel[3] > 0.0 { 255 } else { 0 }).collect();
-    let samples = PngSamples::U8(&mask);
-    write_png(args, files, ("mask.png", estimate), (PngColor::Grey, samples, Encoding::Linear))?;
-    let albedo = albedo_codes(estimate);
-    let samples = PngSamples::U8(&albedo);
-    write_png(args, files, ("albedo.png", estimate), (PngColor::Grey, samples, Encoding::Srgb))?;
-    let mut warnings = Warnings::default();
-    let plane = taotie_io::encode_scene(&estimate.plane()?, &["plane".to_owned()], &mut warnings)?;
-    files.write_bytes(&args.path("plane.glb"), &plane)?;
-    Ok(warnings)
+/// Writes the files of an estimate.
+pub struct Output<'a> {
+    pub args: &'a PhotometricArgs,
+    pub files: &'a FileSet,
+    pub estimate: &'a Estimate,
 }
 
-fn write_floats(args: &PhotometricArgs, files: &FileSet, (name, image): (&str, &Image)) -> Result<()> {
-    Ok(files.write_image(&args.path(name), image, &Development::default(), ImageFormat::Exr)?)
-}
+impl Output<'_> {
+    /// Writes all files except the report, and returns warnings about the GLB.
+    pub fn write(&self) -> Result<Warnings> {
+        self.write_normals()?;
+        let sigma = self.estimate.image(|_, best| {
+            let [larger, smaller] =
+                best.covariance.eigenvalues().map(|variance| variance.sqrt().to_degrees());
+            [best.sigma_deg, larger, smaller]
+        });
+        self.write_floats("sigma.exr", &sigma)?;
+        self.write_sigma(&sigma)?;
+        self.write_floats("residual.exr", &self.estimate.image(|_, best| [best.residual; 3]))?;
+        self.write_grey("albedo.png", &albedo_codes(self.estimate), Encoding::Srgb)?;
+        let mut warnings = Warnings::default();
+        let plane = taotie_io::encode_scene(&self.estimate.plane()?, &["plane".to_owned()], &mut warnings)?;
+        self.files.write_bytes(&self.args.path("plane.glb"), &plane)?;
+        Ok(warnings)
+    }
 
-fn write_png(
-    args: &PhotometricArgs,
-    files: &FileSet,
-    (name, estimate): (&str, &Estimate),
-    (color, samples, encoding): (PngColor, PngSamples<'_>, Encoding),
-) -> Result<()> {
-    let (width, height) = (estimate.width(), estimate.height());
-    Ok(files.write_png(&args.path(name), &PngImage { width, height, color, samples, encoding })?)
+    fn write_normals(&self) -> Result<()> {
+        let normals = self.estimate.normals(Estimator::Best);
+        self.write_floats("normals.exr", &normals)?;
+        let codes: Vec<u16> = normals.pixels().iter().flat_map(|pixel| normal_codes(*pixel)).collect();
+        let image = PngImage {
+            width: normals.width(),
+            height: normals.height(),
+            color: PngColor::Rgba,
+            samples: PngSamples::U16(&codes),
+            encoding: Encoding::Linear,
+        };
+        self.files.write_png(&self.args.path("normals.png"), &image)?;
+        let has_normal = |pixel: &[f32; 4]| if pixel[3] > 0.0 { 255 } else { 0 };
+        let mask: Vec<u8> = normals.pixels().iter().map(has_normal).collect();
+        self.write_grey("mask.png", &mask, Encoding::Linear)
+    }
+
+    fn write_floats(&self, name: &str, image: &Image) -> Result<()> {
+        let path = self.args.path(name);
+        Ok(self.files.write_image(&path, image, &Development::default(), ImageFormat::Exr)?)
+    }
+
+    fn write_grey(&self, name: &str, codes: &[u8], encoding: Encoding) -> Result<()> {
+        let (width, height) = (self.estimate.width(), self.estimate.height());
+        let samples = PngSamples::U8(codes);
+        let image = PngImage { width, height, color: PngColor::Grey, samples, encoding };
+        Ok(self.files.write_png(&self.args.path(name), &image)?)
+    }
+
+    /// Writes the uncertainty as colours; the last is for the 95th percentile.
+    fn write_sigma(&self, sigma: &Image) -> Result<()> {
+        let values = sigma.pixels().iter().map(|pixel| if pixel[3] > 0.0 { pixel[0] } else { f32::NAN });
+        let field = Field::new(sigma.width(), sigma.height(), values.collect())?;
+        let top = field.summary().map_or(1.0, |summary| summary.p95 as f32).max(1e-3);
+        let title = "uncertainty of the normals (68 %)";
+        let map = HeatMap { field: &field, title, unit: "°", map: ColorMap::Viridis, top }.with_scale();
+        Ok(self.files.write_png(&self.args.path("sigma.png"), &map.png())?)
+    }
 }
 
 /// Returns a normal as codes of 16 bits; transparent without one.
 fn normal_codes([x, y, z, has]: [f32; 4]) -> [u16; 4] {
     let code = |v: f32| ((0.5 * v + 0.5) * 65_535.0 + 0.5) as u16;
     if has > 0.0 { [code(x), code(y), code(z), u16::MAX] } else { [32_768, 32_768, u16::MAX, 0] }
-}
-
-/// Writes the uncertainty as colours; the last is for the 95th percentile.
-fn write_sigma(args: &PhotometricArgs, files: &FileSet, sigma: &Image) -> Result<()> {
-    let values = sigma.pixels().iter().map(|pixel| if pixel[3] > 0.0 { pixel[0] } else { f32::NAN });
-    let field = Field::new(sigma.width(), sigma.height(), values.collect())?;
-    let top = field.summary().map_or(1.0, |summary| summary.p95 as f32).max(1e-3);
-    let title = "uncertainty of the normals (68 %)";
-    let map = HeatMap { field: &field, title, unit: "°", map: ColorMap::Viridis, top }.with_scale();
-    Ok(files.write_png(&args.path("sigma.png"), &map.png())?)
 }
 
 /// Returns the albedo in sRGB, relative to the 99th percentile.

@@ -9,6 +9,7 @@ pub use args::PhotometricArgs;
 use crate::bake::clock::Clock;
 use crate::{console, stop};
 use anyhow::{Result, bail};
+use files::Output;
 use report::{Errors, Report};
 use std::path::Path;
 use taotie::comparison::diff::guessed_encoding;
@@ -48,7 +49,7 @@ fn estimate(args: &PhotometricArgs) -> Result<Report> {
     let without = estimate.best.iter().filter(|best| best.is_none()).count();
     warnings.note("a pixel has no normal: too little light, or too few samples that agree", without);
     progress.begin("write")?;
-    warnings.absorb(files::write(args, &files, &estimate)?);
+    warnings.absorb(Output { args, files: &files, estimate: &estimate }.write()?);
     let errors = truth.map(|truth| errors(&estimate, &truth)).transpose()?;
     let mut report = Report::new(args, &set, &samples, &estimate);
     report.truth = errors;
