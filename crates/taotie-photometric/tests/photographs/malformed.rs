@@ -267,3 +267,49 @@ fn every_wrong_folder_has_one_clear_error() {
     let error = read(&folder.path().join("none.lp"), 1 << 30).map(|_| ()).unwrap_err().to_string();
     assert!(error.contains("none.lp"), "{error}");
 }
+
+#[test]
+fn the_smallest_and_oddest_sets_do_not_panic() {
+    let mut state = 1_u32;
+    let mut random = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 24) as u8
+    };
+    let mut estimated = 0;
+    for side in [1_u32, 2, 3, 9] {
+        for count in 4..=10 {
+            // Random greys, only black and white, one grey everywhere, and one lit photograph.
+            for kind in 0..4 {
+                let folder = tempfile::tempdir().unwrap();
+                let mut lp = String::new();
+                for (k, light) in crate::studio::directions(count, 60.0).iter().enumerate() {
+                    let grey = |_| match kind {
+                        0 => random(),
+                        1 => random() / 128 * 255,
+                        2 => 77,
+                        _ => u8::from(k == 0) * 200,
+                    };
+                    let codes: Vec<u8> = (0..side * side).map(grey).collect();
+                    let samples = PngSamples::U8(&codes);
+                    let color = PngColor::Grey;
+                    let image =
+                        PngImage { width: side, height: side, color, samples, encoding: Encoding::Srgb };
+                    write(folder.path(), &format!("{k}.png"), &encode_png(&image).unwrap());
+                    lp += &format!("{} {} {}\n", light.x, light.y, light.z);
+                }
+                write(folder.path(), "a.lp", lp.as_bytes());
+                let Ok(estimate) = read(folder.path(), 1 << 30) else { continue };
+                estimated += 1;
+                for best in estimate.best.iter().flatten() {
+                    let numbers = [best.sigma_deg, best.albedo, best.residual, best.normal.length()];
+                    assert!(
+                        numbers.iter().all(|v| v.is_finite() && *v >= 0.0),
+                        "{side} {count} {kind}: {best:?}"
+                    );
+                }
+                estimate.plane().unwrap();
+            }
+        }
+    }
+    assert!(estimated > 20, "{estimated}");
+}
