@@ -88,7 +88,9 @@ impl Estimate {
         let grid = Grid::new(width, height, samples.pixels.clone());
         let robust = Robust::new(samples);
         let fits = fits(&robust, samples, progress.stage("fit"))?;
-        let residuals = Residuals { samples, grid: &grid, lights: robust.lights(), fits: &fits };
+        let inverse_reaches = fits.iter().map(Fit::inverse_reach).collect();
+        let residuals =
+            Residuals { samples, grid: &grid, lights: robust.lights(), fits: &fits, inverse_reaches };
         let fitted: Vec<Vec3<f64>> = fits.iter().map(|fit| fit.robust).collect();
         let indirect = match robust.lights().len() < robust::FEWEST {
             true => Indirect { direct: fitted.clone(), albedo: 0.0, shadows: 0 },

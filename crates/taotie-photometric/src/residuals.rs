@@ -57,6 +57,8 @@ pub struct Residuals<'a> {
     pub lights: &'a [LightTerms],
     /// The fit of each pixel.
     pub fits: &'a [Fit],
+    /// [`Fit::inverse_reach`] of each pixel.
+    pub inverse_reaches: Vec<f64>,
 }
 
 impl Residuals<'_> {
@@ -99,7 +101,7 @@ impl Residuals<'_> {
         let [x, y, z] = self.lights[k].l;
         let shaded = fit.robust.x * x + fit.robust.y * y + fit.robust.z * z;
         let residual = f64::from(self.samples.images[k][pixel].grey()) - shaded;
-        (residual, weight(residual, fit.scale))
+        (residual, weight(residual, self.inverse_reaches[pixel]))
     }
 
     /// Returns the residuals under each light.

@@ -49,6 +49,14 @@ pub struct Fit {
     pub scale: f64,
 }
 
+impl Fit {
+    /// Returns the inverse of the residual from which a sample has no weight; 0 if all have full weight.
+    #[inline(always)]
+    pub fn inverse_reach(&self) -> f64 {
+        1.0 / (CUT * self.scale)
+    }
+}
+
 /// Fits blocks of pixels.
 #[derive(Debug, Clone)]
 pub struct Robust<'a> {
@@ -123,12 +131,12 @@ impl<'a> Robust<'a> {
         }
         self.load(first, scratch);
         let start: [Pack; 3] = std::array::from_fn(|c| fits.map(|fit| fit.robust.to_array()[c]));
-        let scales = fits.map(|fit| fit.scale);
+        let inverses = fits.map(|fit| fit.inverse_reach());
         let mut b = start;
         for _ in 0..REFINEMENTS {
             let (mut sums, mut total) = (Sums::default(), [0.0; LANES]);
             for (light, samples) in self.lights.iter().zip(&scratch.samples) {
-                let weights = weights(samples, &shaded(&b, light), &scales);
+                let weights = weights(samples, &shaded(&b, light), &inverses);
                 (0..LANES).for_each(|lane| total[lane] += weights[lane]);
                 sums.add(light, samples, &weights);
             }
@@ -247,20 +255,20 @@ impl<'a> Robust<'a> {
     }
 }
 
-/// Returns Tukey's biweights of samples; 1 for an infinite scale.
+/// Returns Tukey's biweights of samples, given [`Fit::inverse_reach`].
 #[inline(always)]
-pub fn weights(samples: &Pack, shaded: &Pack, scales: &Pack) -> Pack {
+fn weights(samples: &Pack, shaded: &Pack, inverses: &Pack) -> Pack {
     let mut weights = [0.0; LANES];
     for lane in 0..LANES {
-        weights[lane] = weight(samples[lane] - shaded[lane], scales[lane]);
+        weights[lane] = weight(samples[lane] - shaded[lane], inverses[lane]);
     }
     weights
 }
 
-/// Returns Tukey's biweight of a residual.
+/// Returns Tukey's biweight of a residual, given [`Fit::inverse_reach`].
 #[inline(always)]
-pub fn weight(residual: f64, scale: f64) -> f64 {
-    let relative = residual / (CUT * scale);
+pub fn weight(residual: f64, inverse_reach: f64) -> f64 {
+    let relative = residual * inverse_reach;
     let inside = 1.0 - relative * relative;
     if inside > 0.0 { inside * inside } else { 0.0 }
 }
