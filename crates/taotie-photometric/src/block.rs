@@ -2,31 +2,33 @@
 //!
 //! A pixel's samples are I_k = b · l_k, with b the normal times the albedo (Woodham 1980). The lanes of a block are
 //! pixels, so that loops over them become vector instructions; each pixel's sums run in the order of the photographs,
-//! whatever the other lanes hold.
+//! whatever the other lanes hold. Iterations are in single precision, as they only find weights; the fits that they
+//! lead to are in double precision.
 
 use crate::symmetric::Sym3;
 use taotie_engine::math::Vec3;
 
 /// Pixels of a block.
-pub const LANES: usize = 4;
+pub const LANES: usize = 8;
 
 /// One number for each pixel of a block.
-pub type Pack = [f64; LANES];
+pub type Pack = [f32; LANES];
 
 /// A light's direction and the products of its components, xx, xy, xz, yy, yz, zz.
 #[derive(Debug, Clone, Copy)]
 pub struct LightTerms {
     /// The unit vector towards the light.
-    pub l: [f64; 3],
-    products: [f64; 6],
+    pub direction: Vec3<f64>,
+    l: [f32; 3],
+    products: [f32; 6],
 }
 
 impl LightTerms {
     /// Computes the products.
     pub fn new(direction: Vec3<f64>) -> Self {
-        let l = direction.to_array();
+        let l = direction.to_f32().to_array();
         let [x, y, z] = l;
-        Self { l, products: [x * x, x * y, x * z, y * y, y * z, z * z] }
+        Self { direction, l, products: [x * x, x * y, x * z, y * y, y * z, z * z] }
     }
 }
 
@@ -54,8 +56,8 @@ impl Sums {
     }
 
     /// Returns Σ w l lᵀ of one pixel.
-    pub fn matrix(&self, lane: usize) -> Sym3 {
-        Sym3(self.matrix.map(|sum| sum[lane]))
+    fn matrix(&self, lane: usize) -> Sym3 {
+        Sym3(self.matrix.map(|sum| f64::from(sum[lane])))
     }
 
     /// Solves for b; lanes whose weights do not determine it keep `otherwise`.
@@ -63,8 +65,8 @@ impl Sums {
         let mut b = *otherwise;
         for lane in 0..LANES {
             if let Some(inverse) = self.matrix(lane).inverse() {
-                let solved = inverse.times(Vec3::from_array(self.right.map(|sum| sum[lane]))).to_array();
-                b.iter_mut().zip(solved).for_each(|(b, v)| b[lane] = v);
+                let solved = inverse.times(Vec3::from_array(self.right.map(|sum| f64::from(sum[lane]))));
+                b.iter_mut().zip(solved.to_f32().to_array()).for_each(|(b, v)| b[lane] = v);
             }
         }
         b
@@ -83,5 +85,11 @@ pub fn shaded(b: &[Pack; 3], light: &LightTerms) -> Pack {
 
 /// Returns the vector of one pixel.
 pub fn vector(b: &[Pack; 3], lane: usize) -> Vec3<f64> {
-    Vec3::from_array(b.map(|component| component[lane]))
+    Vec3::from_array(b.map(|component| f64::from(component[lane])))
+}
+
+/// Returns vectors of all pixels as packs.
+pub fn packs(vectors: [Vec3<f64>; LANES]) -> [Pack; 3] {
+    let arrays = vectors.map(|v| v.to_f32().to_array());
+    std::array::from_fn(|c| arrays.map(|v| v[c]))
 }

@@ -74,7 +74,7 @@ impl Residuals<'_> {
         let (mut products, mut pairs) = (0.0, 0.0);
         for k in 0..self.lights.len() {
             let (residual, weight) = self.residual(pixel, k);
-            matrix.add(Vec3::from_array(self.lights[k].l), weight);
+            matrix.add(self.lights[k].direction, weight);
             squares += weight * residual * residual;
             total += weight;
             if weight <= COMPARED {
@@ -98,7 +98,7 @@ impl Residuals<'_> {
     #[inline]
     fn residual(&self, pixel: usize, k: usize) -> (f64, f64) {
         let fit = &self.fits[pixel];
-        let [x, y, z] = self.lights[k].l;
+        let Vec3 { x, y, z } = self.lights[k].direction;
         let shaded = fit.robust.x * x + fit.robust.y * y + fit.robust.z * z;
         let residual = f64::from(self.samples.images[k][pixel].grey()) - shaded;
         (residual, weight(residual, self.inverse_reaches[pixel]))

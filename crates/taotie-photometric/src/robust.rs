@@ -10,8 +10,9 @@
 //! 5. If the residuals of least squares over all samples are no larger than noise would make them, nothing is rejected,
 //!    since rejecting good samples only adds noise.
 
-use crate::block::{LANES, LightTerms, Pack, Sums, shaded, vector};
+use crate::block::{LANES, LightTerms, Pack, Sums, packs, shaded, vector};
 use crate::samples::Samples;
+use crate::symmetric::Sym3;
 use taotie_engine::math::Vec3;
 
 /// Fraction of the darkest samples that the start leaves out.
@@ -25,7 +26,7 @@ const REFINEMENTS: usize = 5;
 /// Residuals in scales from which a sample has no weight.
 const CUT: f64 = 3.0;
 /// Sum of weights below which a pixel keeps its start.
-const LEAST_WEIGHT: f64 = 5.0;
+const LEAST_WEIGHT: f32 = 5.0;
 /// The smallest scale, relative to the albedo: rounding of an 8-bit photograph.
 const LEAST_SCALE: f64 = 1e-3;
 /// The median absolute deviation of normally distributed numbers, as a multiple of their standard deviation, inverted.
@@ -62,6 +63,8 @@ impl Fit {
 pub struct Robust<'a> {
     samples: &'a Samples,
     lights: Vec<LightTerms>,
+    /// Inverse of Σ l lᵀ.
+    inverse: Sym3,
 }
 
 /// Memory of a block, reused.
@@ -70,13 +73,17 @@ pub struct Scratch {
     samples: Vec<Pack>,
     kept: Vec<Pack>,
     residuals: Vec<Pack>,
-    sorted: Vec<f64>,
+    sorted: Vec<f32>,
 }
 
 impl<'a> Robust<'a> {
     /// Prepares the lights.
     pub fn new(samples: &'a Samples) -> Self {
-        Self { samples, lights: samples.lights.iter().map(|light| LightTerms::new(*light)).collect() }
+        let mut sum = Sym3::default();
+        samples.lights.iter().for_each(|light| sum.add(*light, 1.0));
+        let lights = samples.lights.iter().map(|light| LightTerms::new(*light)).collect();
+        // Opening a set checks that its lights determine a normal.
+        Self { samples, lights, inverse: sum.inverse().unwrap_or_default() }
     }
 
     /// The lights.
@@ -95,25 +102,35 @@ impl<'a> Robust<'a> {
     /// scale.
     pub fn start(&self, first: usize, scratch: &mut Scratch) -> [Fit; LANES] {
         self.load(first, scratch);
-        let all = vec![[1.0; LANES]; self.lights.len()];
-        let least_squares = self.solve(scratch, &all, &[[0.0; LANES]; 3]);
-        self.subtract(scratch, &least_squares);
+        let least_squares = self.least_squares(scratch);
+        self.subtract(scratch, &packs(least_squares));
         let deviations = self.deviations(scratch);
-        let fit = |lane: usize, start: &[Pack; 3], scale: f64| Fit {
-            least_squares: vector(&least_squares, lane),
+        let fit = |lane: usize, robust: Vec3<f64>, scale: f64| Fit {
+            least_squares: least_squares[lane],
             deviation: deviations[lane],
-            robust: vector(start, lane),
+            robust,
             scale,
         };
         if self.lights.len() < FEWEST {
-            return std::array::from_fn(|lane| fit(lane, &least_squares, f64::INFINITY));
+            return std::array::from_fn(|lane| fit(lane, least_squares[lane], f64::INFINITY));
         }
-        let start = self.l1(scratch, &least_squares);
+        let start = self.l1(scratch, &packs(least_squares));
         self.subtract(scratch, &start);
         std::array::from_fn(|lane| {
-            let scale = self.scale(vector(&start, lane).length(), lane, scratch);
-            fit(lane, &start, scale)
+            let b = vector(&start, lane);
+            fit(lane, b, self.scale(b.length(), lane, scratch))
         })
+    }
+
+    /// Returns the fits by least squares over all samples.
+    fn least_squares(&self, scratch: &Scratch) -> [Vec3<f64>; LANES] {
+        let mut sums = [[0.0; LANES]; 3];
+        for (light, samples) in self.lights.iter().zip(&scratch.samples) {
+            for (sum, l) in sums.iter_mut().zip(light.direction.to_array()) {
+                (0..LANES).for_each(|lane| sum[lane] += f64::from(samples[lane]) * l);
+            }
+        }
+        std::array::from_fn(|lane| self.inverse.times(Vec3::from_array(sums.map(|sum| sum[lane]))))
     }
 
     /// Refines first fits. `typical` is the median scale of all pixels.
@@ -130,10 +147,10 @@ impl<'a> Robust<'a> {
             return fits.map(as_all);
         }
         self.load(first, scratch);
-        let start: [Pack; 3] = std::array::from_fn(|c| fits.map(|fit| fit.robust.to_array()[c]));
-        let inverses = fits.map(|fit| fit.inverse_reach());
+        let start = packs(fits.map(|fit| fit.robust));
+        let inverses = fits.map(|fit| fit.inverse_reach() as f32);
         let mut b = start;
-        for _ in 0..REFINEMENTS {
+        for _ in 1..REFINEMENTS {
             let (mut sums, mut total) = (Sums::default(), [0.0; LANES]);
             for (light, samples) in self.lights.iter().zip(&scratch.samples) {
                 let weights = weights(samples, &shaded(&b, light), &inverses);
@@ -148,8 +165,25 @@ impl<'a> Robust<'a> {
         }
         std::array::from_fn(|lane| {
             let fit = fits[lane];
-            if is_clean(&fit) { as_all(fit) } else { Fit { robust: vector(&b, lane), ..fit } }
+            if is_clean(&fit) { as_all(fit) } else { self.exact(fit, vector(&b, lane), (lane, scratch)) }
         })
+    }
+
+    /// Returns a fit with the weights of the residuals of `b`, in double precision.
+    fn exact(&self, fit: Fit, b: Vec3<f64>, (lane, scratch): (usize, &Scratch)) -> Fit {
+        let (mut matrix, mut right, mut total) = (Sym3::default(), Vec3::splat(0.0), 0.0);
+        let inverse_reach = fit.inverse_reach();
+        for (light, samples) in self.lights.iter().zip(&scratch.samples) {
+            let sample = f64::from(samples[lane]);
+            let weight = weight(sample - b.dot(light.direction), inverse_reach);
+            matrix.add(light.direction, weight);
+            right += light.direction * (weight * sample);
+            total += weight;
+        }
+        match matrix.inverse() {
+            Some(inverse) if total >= f64::from(LEAST_WEIGHT) => Fit { robust: inverse.times(right), ..fit },
+            _ => fit,
+        }
     }
 
     /// Loads the samples of a block; lanes beyond the last pixel repeat it.
@@ -160,7 +194,7 @@ impl<'a> Robust<'a> {
             self.samples
                 .images
                 .iter()
-                .map(|image| std::array::from_fn(|lane| f64::from(image[(first + lane).min(last)].grey()))),
+                .map(|image| std::array::from_fn(|lane| image[(first + lane).min(last)].grey())),
         );
         scratch.kept.clear();
         scratch.kept.resize(self.lights.len(), [0.0; LANES]);
@@ -177,10 +211,10 @@ impl<'a> Robust<'a> {
         sorted.extend(scratch.samples.iter().map(|samples| samples[lane]));
         let low = (DARKEST * count as f64) as usize;
         let high = count - 1 - (BRIGHTEST * count as f64) as usize;
-        let (_, low, above) = sorted.select_nth_unstable_by(low, f64::total_cmp);
+        let (_, low, above) = sorted.select_nth_unstable_by(low, f32::total_cmp);
         let low = *low;
         let high = match high - (count - above.len()) {
-            rest if rest < above.len() => *above.select_nth_unstable_by(rest, f64::total_cmp).1,
+            rest if rest < above.len() => *above.select_nth_unstable_by(rest, f32::total_cmp).1,
             _ => low,
         };
         for (k, kept) in scratch.kept.iter_mut().enumerate() {
@@ -204,7 +238,7 @@ impl<'a> Robust<'a> {
         for _ in 1..L1_STEPS {
             let mut least = [0.0; LANES];
             for (lane, least) in least.iter_mut().enumerate() {
-                *least = 1e-3 * b.iter().map(|v| v[lane].abs()).sum::<f64>() + 1e-9;
+                *least = 1e-3 * b.iter().map(|v| v[lane].abs()).sum::<f32>() + 1e-9;
             }
             let mut sums = Sums::default();
             for ((light, samples), kept) in self.lights.iter().zip(&scratch.samples).zip(&scratch.kept) {
@@ -231,12 +265,12 @@ impl<'a> Robust<'a> {
     }
 
     /// Returns the standard deviations of the residuals of all samples.
-    fn deviations(&self, scratch: &Scratch) -> Pack {
-        let mut squares = [0.0; LANES];
+    fn deviations(&self, scratch: &Scratch) -> [f64; LANES] {
+        let mut squares = [0.0_f32; LANES];
         for residuals in &scratch.residuals {
             (0..LANES).for_each(|lane| squares[lane] += residuals[lane] * residuals[lane]);
         }
-        squares.map(|sum| (sum / (self.lights.len() - 3) as f64).sqrt())
+        squares.map(|sum| (f64::from(sum) / (self.lights.len() - 3) as f64).sqrt())
     }
 
     /// Returns the scale of the residuals of the samples that the start keeps.
@@ -250,8 +284,8 @@ impl<'a> Robust<'a> {
             return least;
         }
         let middle = sorted.len() / 2;
-        let median = *sorted.select_nth_unstable_by(middle, f64::total_cmp).1;
-        (NORMAL_MAD * median).max(least) * self.spread()
+        let median = *sorted.select_nth_unstable_by(middle, f32::total_cmp).1;
+        (NORMAL_MAD * f64::from(median)).max(least) * self.spread()
     }
 }
 
@@ -260,7 +294,9 @@ impl<'a> Robust<'a> {
 fn weights(samples: &Pack, shaded: &Pack, inverses: &Pack) -> Pack {
     let mut weights = [0.0; LANES];
     for lane in 0..LANES {
-        weights[lane] = weight(samples[lane] - shaded[lane], inverses[lane]);
+        let relative = (samples[lane] - shaded[lane]) * inverses[lane];
+        let inside = 1.0 - relative * relative;
+        weights[lane] = if inside > 0.0 { inside * inside } else { 0.0 };
     }
     weights
 }

@@ -120,7 +120,7 @@ mod tests {
     #[test]
     fn radii_of_circles_and_lines_are_the_closed_forms() {
         let table = RadiusTable::new();
-        let circle = (-2.0 * (1.0_f64 - 0.68).ln()).sqrt();
+        let circle = (-2.0 * scalar::ln(1.0 - 0.68)).sqrt();
         assert!((table.radius([2.0, 2.0]) - 2.0 * circle).abs() < 1e-6);
         // 68 % of a normal distribution are within 0.99446 standard deviations.
         assert!((table.radius([3.0, 0.0]) - 3.0 * 0.994_46).abs() < 0.01, "{}", table.radius([1.0, 0.0]));
@@ -138,7 +138,7 @@ mod tests {
             let radius = table.radius([1.0, ratio]);
             let count = 100_000;
             let inside = (0..count).filter(|_| {
-                let (r, angle) = ((-2.0 * unit().ln()).sqrt(), std::f64::consts::TAU * unit());
+                let (r, angle) = ((-2.0 * scalar::ln(unit())).sqrt(), std::f64::consts::TAU * unit());
                 let [x, y] = [r * scalar::cos(angle), ratio * r * scalar::sin(angle)];
                 x * x + y * y < radius * radius
             });
