@@ -9,7 +9,7 @@ help: ## List these commands
 
 # Every test target of the workspace is in one of the two lists; `tests/architecture.rs` checks that.
 QUICK = architecture comparison fuzz images io memory memory_of_documents options oracle pixel recorded render shaders translation turntable
-SLOW = batch browser cli features jue laws models python webgl workflow
+SLOW = batch browser cli features jue laws models photographs python webgl workflow
 
 test: tools ## Check formatting and run the quick tests
 	cargo fmt --all --check

@@ -19,6 +19,7 @@ mod materials;
 mod mcp;
 mod normals;
 mod options;
+mod photometric;
 mod proof_args;
 mod render;
 mod running;
@@ -76,6 +77,8 @@ enum Command {
     Inspect(inspect::InspectArgs),
     /// Makes normal maps from height maps, and converts normal maps.
     Normals(Box<normals::NormalsArgs>),
+    /// Estimates normals from photographs, each with its uncertainty in degrees.
+    Photometric(Box<photometric::PhotometricArgs>),
     /// Measures the difference of two pictures or normal maps.
     Diff(diff::DiffArgs),
     /// Writes the shaders of a model's materials, or of a plain one.
@@ -144,6 +147,7 @@ pub fn exit_code(args: impl IntoIterator<Item = OsString>) -> u8 {
         Command::BatchWorker => batch::work().map(|()| Outcome::Fine),
         Command::Inspect(args) => inspect::run(&args),
         Command::Normals(args) => normals::run(&args).map(|()| Outcome::Fine),
+        Command::Photometric(args) => photometric::run(&args).map(|()| Outcome::Fine),
         Command::Diff(args) => diff::run(&args),
         Command::Shader(args) => shader::run(&args).map(|()| Outcome::Fine),
         Command::View(args) => view::run(&args).map(|()| Outcome::Fine),

@@ -20,7 +20,7 @@ pub(super) fn read_text(path: &Path) -> Result<String> {
 
 /// Decodes text from UTF-16 (with a byte order mark, or with a zero in the first two bytes), UTF-8, or else Latin-1,
 /// in which any bytes are valid. Lone carriage returns, the line ends of classic Mac OS, become line feeds.
-pub(super) fn decode_text(bytes: Vec<u8>) -> String {
+pub fn decode_text(bytes: Vec<u8>) -> String {
     let text = match bytes.as_slice() {
         [0xFF, 0xFE, rest @ ..] => utf16(rest, u16::from_le_bytes),
         [0xFE, 0xFF, rest @ ..] => utf16(rest, u16::from_be_bytes),
@@ -74,7 +74,7 @@ pub(super) fn lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
 }
 
 /// Quotes words of a file for an error: escaped and at most 40 characters long.
-pub(super) fn quote(what: &str) -> String {
+pub fn quote(what: &str) -> String {
     let mut start: String = what.chars().take(40).collect::<String>().escape_debug().collect();
     if what.chars().nth(40).is_some() {
         start.push('…');

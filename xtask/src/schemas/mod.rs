@@ -39,7 +39,7 @@ const fn printed(name: &'static str, title: &'static str, root: &'static str) ->
 }
 
 /// All documents.
-const DOCUMENTS: [Printed; 19] = [
+const DOCUMENTS: [Printed; 20] = [
     printed("bake", "taotie bake --json, and OUT.report.json", "taotie::asset::proof::report::Report"),
     printed("batch", "taotie batch --json", "taotie_cli::batch::Report"),
     printed("batch-check", "taotie batch --check --json", "taotie_cli::batch::AuditReport"),
@@ -61,6 +61,11 @@ const DOCUMENTS: [Printed; 19] = [
     printed("inspect-audit", "taotie inspect --audit --json", "taotie_cli::inspect::AuditReport"),
     printed("materials", "taotie materials --json", "taotie_cli::materials::List"),
     printed("normals", "taotie normals --json", "taotie_cli::normals::Report"),
+    printed(
+        "photometric",
+        "taotie photometric --json, and report.json",
+        "taotie_cli::photometric::report::Report",
+    ),
     printed("progress", "a line on stderr with --progress", "taotie_cli::console::ProgressLine"),
     printed("render", "taotie render --json", "taotie_cli::render::Printed"),
     printed("shader", "taotie shader --json", "taotie_cli::shader::Report"),

@@ -19,6 +19,7 @@ Commands:
   batch        Bakes a whole collection: each scan in its own process, and nothing twice
   inspect      Lists the content of a model file and its defects
   normals      Makes normal maps from height maps, and converts normal maps
+  photometric  Estimates normals from photographs, each with its uncertainty in degrees
   diff         Measures the difference of two pictures or normal maps
   shader       Writes the shaders of a model's materials, or of a plain one
   view         Writes a model as a single offline web page, or opens it in a browser

@@ -37,6 +37,7 @@ mod models;
 mod motion;
 mod normals;
 mod packed;
+mod photometric;
 mod pictures;
 mod place;
 mod provenance;

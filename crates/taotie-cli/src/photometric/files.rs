@@ -1,0 +1,94 @@
+//! The files that `taotie photometric` writes.
+
+use super::PhotometricArgs;
+use anyhow::Result;
+use taotie_engine::Warnings;
+use taotie_engine::compare::{ColorMap, Field};
+use taotie_engine::film::Development;
+use taotie_engine::image::{Encoding, Image};
+use taotie_engine::math::srgb::srgb_from_linear;
+use taotie_io::{FileSet, ImageFormat, PngColor, PngImage, PngSamples};
+use taotie_photometric::{Estimate, Estimator};
+use taotie_report::heat_map::HeatMap;
+
+/// Writes the files of an estimate.
+pub struct Output<'a> {
+    pub args: &'a PhotometricArgs,
+    pub files: &'a FileSet,
+    pub estimate: &'a Estimate,
+}
+
+impl Output<'_> {
+    /// Writes all files except the report, and returns warnings about the GLB.
+    pub fn write(&self) -> Result<Warnings> {
+        self.write_normals()?;
+        let sigma = self.estimate.image(|_, best| {
+            let [larger, smaller] =
+                best.covariance.eigenvalues().map(|variance| variance.sqrt().to_degrees());
+            [best.sigma_deg, larger, smaller]
+        });
+        self.write_floats("sigma.exr", &sigma)?;
+        self.write_sigma(&sigma)?;
+        self.write_floats("residual.exr", &self.estimate.image(|_, best| [best.residual; 3]))?;
+        self.write_grey("albedo.png", &albedo_codes(self.estimate), Encoding::Srgb)?;
+        let mut warnings = Warnings::default();
+        let plane = taotie_io::encode_scene(&self.estimate.plane()?, &["plane".to_owned()], &mut warnings)?;
+        self.files.write_bytes(&self.args.path("plane.glb"), &plane)?;
+        Ok(warnings)
+    }
+
+    fn write_normals(&self) -> Result<()> {
+        let normals = self.estimate.normals(Estimator::Best);
+        self.write_floats("normals.exr", &normals)?;
+        let codes: Vec<u16> = normals.pixels().iter().flat_map(|pixel| normal_codes(*pixel)).collect();
+        let image = PngImage {
+            width: normals.width(),
+            height: normals.height(),
+            color: PngColor::Rgba,
+            samples: PngSamples::U16(&codes),
+            encoding: Encoding::Linear,
+        };
+        self.files.write_png(&self.args.path("normals.png"), &image)?;
+        let has_normal = |pixel: &[f32; 4]| if pixel[3] > 0.0 { 255 } else { 0 };
+        let mask: Vec<u8> = normals.pixels().iter().map(has_normal).collect();
+        self.write_grey("mask.png", &mask, Encoding::Linear)
+    }
+
+    fn write_floats(&self, name: &str, image: &Image) -> Result<()> {
+        let path = self.args.path(name);
+        Ok(self.files.write_image(&path, image, &Development::default(), ImageFormat::Exr)?)
+    }
+
+    fn write_grey(&self, name: &str, codes: &[u8], encoding: Encoding) -> Result<()> {
+        let (width, height) = (self.estimate.width(), self.estimate.height());
+        let samples = PngSamples::U8(codes);
+        let image = PngImage { width, height, color: PngColor::Grey, samples, encoding };
+        Ok(self.files.write_png(&self.args.path(name), &image)?)
+    }
+
+    /// Writes the uncertainty as colours; the last is for the 95th percentile.
+    fn write_sigma(&self, sigma: &Image) -> Result<()> {
+        let values = sigma.pixels().iter().map(|pixel| if pixel[3] > 0.0 { pixel[0] } else { f32::NAN });
+        let field = Field::new(sigma.width(), sigma.height(), values.collect())?;
+        let top = field.summary().map_or(1.0, |summary| summary.p95 as f32).max(1e-3);
+        let title = "uncertainty of the normals (68 %)";
+        let map = HeatMap { field: &field, title, unit: "°", map: ColorMap::Viridis, top }.with_scale();
+        Ok(self.files.write_png(&self.args.path("sigma.png"), &map.png())?)
+    }
+}
+
+/// Returns a normal as codes of 16 bits; transparent without one.
+fn normal_codes([x, y, z, has]: [f32; 4]) -> [u16; 4] {
+    let code = |v: f32| ((0.5 * v + 0.5) * 65_535.0 + 0.5) as u16;
+    if has > 0.0 { [code(x), code(y), code(z), u16::MAX] } else { [32_768, 32_768, u16::MAX, 0] }
+}
+
+/// Returns the albedo in sRGB, relative to the 99th percentile.
+fn albedo_codes(estimate: &Estimate) -> Vec<u8> {
+    let mut sorted: Vec<f64> = estimate.best.iter().flatten().map(|best| best.albedo).collect();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let white = sorted.get(sorted.len() * 99 / 100).copied().unwrap_or(1.0).max(f64::MIN_POSITIVE);
+    let code = |v: f32| (srgb_from_linear(f64::from(v).clamp(0.0, 1.0)) * 255.0 + 0.5) as u8;
+    let albedo = estimate.image(|_, best| [best.albedo / white; 3]);
+    albedo.pixels().iter().map(|pixel| code(pixel[0])).collect()
+}

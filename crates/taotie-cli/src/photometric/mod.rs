@@ -1,0 +1,92 @@
+//! `taotie photometric`: normals from photographs, with their uncertainty.
+
+mod args;
+mod files;
+mod report;
+
+pub use args::PhotometricArgs;
+
+use crate::bake::clock::Clock;
+use crate::{console, stop};
+use anyhow::{Result, bail};
+use files::Output;
+use report::{Errors, Report};
+use std::path::Path;
+use taotie::comparison::diff::guessed_encoding;
+use taotie_engine::compare::{NormalEncoding, angular_error, stored_normals};
+use taotie_engine::image::Image;
+use taotie_engine::{Progress, Warnings};
+use taotie_photometric::{Estimate, Estimator, PhotographSet, Reading, Samples};
+
+/// Runs the subcommand.
+pub fn run(args: &PhotometricArgs) -> Result<()> {
+    let report = args.run.in_pool(|| estimate(args))??;
+    console::report(args.run.json, &report, Report::text)
+}
+
+fn estimate(args: &PhotometricArgs) -> Result<Report> {
+    let mut warnings = Warnings::default();
+    let set = PhotographSet::open(&args.input, &mut warnings)?;
+    let files = stop::files();
+    args.claim(&files, &set)?;
+    let clock = Clock::default();
+    let listener = |stage: &'static str, fraction: f64| {
+        clock.hear(stage, fraction);
+        true
+    };
+    let progress = Progress::new(&listener);
+    let truth = args.truth.as_deref().map(|path| read_truth(args, path)).transpose()?;
+    let reading = Reading { mask: args.mask.as_deref(), transfer: args.encoding, limits: args.limits() };
+    let samples = Samples::read(&set, &reading, progress.begin("read")?)?;
+    warnings.note("a saturated sample is left out", samples.saturated());
+    if let (Some(truth), Some(path)) = (&truth, &args.truth)
+        && (truth.width(), truth.height()) != (samples.width, samples.height)
+    {
+        let [a, b] = [(truth.width(), truth.height()), (samples.width, samples.height)];
+        bail!("{}: {}x{} normals, but the photographs have {}x{}", path.display(), a.0, a.1, b.0, b.1);
+    }
+    let estimate = Estimate::of(&samples, progress)?;
+    let without = estimate.best.iter().filter(|best| best.is_none()).count();
+    warnings.note("a pixel has no normal: too little light, or too few samples that agree", without);
+    progress.begin("write")?;
+    warnings.absorb(Output { args, files: &files, estimate: &estimate }.write()?);
+    let errors = truth.map(|truth| errors(&estimate, &truth)).transpose()?;
+    let mut report = Report::new(args, &set, &samples, &estimate);
+    report.truth = errors;
+    report.warnings = warnings.list();
+    report.stages = clock.done();
+    files.write_text(&args.path("report.json"), &serde_json::to_string_pretty(&report)?)?;
+    files.commit()?;
+    console::say_warnings(&warnings);
+    Ok(report)
+}
+
+/// Reads true normals.
+fn read_truth(args: &PhotometricArgs, path: &Path) -> Result<Image> {
+    let bitmap = taotie_io::read_bitmap_within(path, &args.limits())?;
+    let encoding = guessed_encoding(&bitmap)?.unwrap_or(NormalEncoding::Unit);
+    Ok(stored_normals(&bitmap, encoding)?.normals)
+}
+
+/// Returns the errors of each estimator in degrees.
+fn errors(estimate: &Estimate, truth: &Image) -> Result<Errors> {
+    let of = |estimator| -> Result<_> {
+        match angular_error(&estimate.normals(estimator), truth)?.summary() {
+            Some(summary) => Ok(summary),
+            None => bail!("the true normals and the mask share no pixel"),
+        }
+    };
+    let within = estimate.pixels.iter().zip(&estimate.best).filter_map(|(pixel, best)| {
+        let [x, y, z, has] = truth.pixels()[*pixel as usize];
+        let best = best.as_ref().filter(|_| has > 0.0)?;
+        let truth = taotie_engine::math::Vec3::new(x, y, z).to_f64();
+        Some(taotie_engine::compare::angle_deg(best.normal, truth) <= best.sigma_deg)
+    });
+    let (inside, count) = within.fold((0, 0), |(inside, count), is| (inside + usize::from(is), count + 1));
+    Ok(Errors {
+        least_squares: of(Estimator::LeastSquares)?,
+        robust: of(Estimator::Robust)?,
+        best: of(Estimator::Best)?,
+        within_sigma: inside as f64 / f64::from(count.max(1)),
+    })
+}

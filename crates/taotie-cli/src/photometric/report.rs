@@ -1,0 +1,201 @@
+//! The report of `taotie photometric`: as JSON, and as text.
+
+use super::PhotometricArgs;
+use super::args::OUTPUTS;
+use crate::console::name_of;
+use serde::Serialize;
+use std::fmt::Write;
+use taotie::Warning;
+use taotie::asset::StageTime;
+use taotie_engine::compare::{Field, Summary, angular_error};
+use taotie_engine::names::Named;
+use taotie_photometric::{Estimate, Estimator, PhotographSet, Samples};
+use taotie_report::table::summary_text;
+
+/// Version of the JSON.
+const SCHEMA: u32 = 1;
+
+/// The lights that the text lists.
+const WORST: usize = 3;
+
+/// The report on photographs.
+#[derive(Serialize)]
+pub struct Report {
+    schema: u32,
+    /// Version of the program.
+    version: &'static str,
+    /// The folder or `.lp` file, as given.
+    input: String,
+    /// The folder of the written files.
+    output: String,
+    /// The file that states the lights.
+    lights_from: String,
+    /// The layout of the input: `lp` or `diligent`.
+    layout: &'static str,
+    /// The mask that was used.
+    mask: Option<String>,
+    /// Pixels across and down.
+    size: [u32; 2],
+    /// Bits per channel of the photographs.
+    bits: u8,
+    /// The assumed encoding of the photographs: `linear` or `srgb`.
+    encoding: &'static str,
+    /// Pixels with a normal.
+    pixels: usize,
+    /// Degrees within which 68 % of the true normals are expected, over all pixels.
+    sigma: Option<Summary>,
+    /// Degrees between the normals by least squares and the robust ones.
+    rejection: Option<Summary>,
+    /// Degrees between the robust normals and those without indirect light.
+    indirect: Option<Summary>,
+    /// The albedo of bright pixels that indirect light implies.
+    albedo: f64,
+    /// The samples in shadow that the albedo was measured in; 0 if it is assumed.
+    shadow_samples: usize,
+    /// The photographs, in order.
+    photographs: Vec<PhotographReport>,
+    /// Degrees between the estimates and the true normals.
+    pub truth: Option<Errors>,
+    /// The duration of each stage.
+    pub stages: Vec<StageTime>,
+    /// Problems and corrections.
+    pub warnings: Vec<Warning>,
+}
+
+/// A photograph and how well the estimate explains it.
+#[derive(Serialize)]
+struct PhotographReport {
+    /// The name of its file.
+    name: String,
+    /// Unit vector towards the light.
+    direction: [f64; 3],
+    /// Root mean square of the residuals of lit samples, relative to the albedo.
+    residual: f64,
+    /// Fraction of the samples that are in shadow, in [0, 1].
+    shadowed: f64,
+    /// Fraction of the samples without weight in the fit, in [0, 1].
+    rejected: f64,
+}
+
+/// Degrees between estimates and true normals.
+#[derive(Serialize)]
+pub struct Errors {
+    /// Least squares over all samples.
+    pub least_squares: Summary,
+    /// Without shadows and highlights.
+    pub robust: Summary,
+    /// Without shadows, highlights and indirect light: the written normals.
+    pub best: Summary,
+    /// Fraction of the written normals that are within their uncertainty, in [0, 1]; 0.68 is expected.
+    pub within_sigma: f64,
+}
+
+impl Report {
+    /// Describes an estimate.
+    pub fn new(args: &PhotometricArgs, set: &PhotographSet, samples: &Samples, estimate: &Estimate) -> Self {
+        let between = |a, b| angular_error(&estimate.normals(a), &estimate.normals(b)).ok()?.summary();
+        let lights = set.photographs.iter().zip(&estimate.lights);
+        let photograph =
+            |(photograph, light): (&taotie_photometric::Photograph, &taotie_photometric::LightResiduals)| {
+                PhotographReport {
+                    name: name_of(&photograph.path),
+                    direction: photograph.light.direction.to_array(),
+                    residual: light.relative,
+                    shadowed: light.shadowed,
+                    rejected: light.rejected,
+                }
+            };
+        Self {
+            schema: SCHEMA,
+            version: env!("CARGO_PKG_VERSION"),
+            input: args.input.display().to_string(),
+            output: args.output.display().to_string(),
+            lights_from: set.lights.display().to_string(),
+            layout: set.layout,
+            mask: args.mask_of(set).map(|path| path.display().to_string()),
+            size: [samples.width, samples.height],
+            bits: samples.bits,
+            encoding: samples.transfer.name(),
+            pixels: estimate.best.iter().flatten().count(),
+            sigma: sigma(estimate),
+            rejection: between(Estimator::LeastSquares, Estimator::Robust),
+            indirect: between(Estimator::Robust, Estimator::Best),
+            albedo: estimate.albedo,
+            shadow_samples: estimate.shadows,
+            photographs: lights.map(photograph).collect(),
+            truth: None,
+            stages: Vec::new(),
+            warnings: Vec::new(),
+        }
+    }
+
+    /// Returns the report as text.
+    pub fn text(&self) -> String {
+        let mut text = format!(
+            "read       {} photographs of {}x{}, {} bits, {}; lights from {}\n",
+            self.photographs.len(),
+            self.size[0],
+            self.size[1],
+            self.bits,
+            if self.encoding == "srgb" { "sRGB" } else { "linear" },
+            self.lights_from
+        );
+        let _ = writeln!(text, "normals    {} pixels", self.pixels);
+        let angles = [
+            ("sigma", &self.sigma, "68 % of errors are expected below"),
+            ("rejection", &self.rejection, "least squares against the robust estimate"),
+            ("indirect", &self.indirect, "turned by removing light between parts of the object"),
+        ];
+        for (name, angles, what) in angles {
+            if let Some(angles) = angles {
+                let _ = writeln!(
+                    text,
+                    "{name:<10} mean {:.2}°, median {:.2}°, p95 {:.2}°: {what}",
+                    angles.mean, angles.median, angles.p95
+                );
+            }
+        }
+        let _ = match self.shadow_samples {
+            0 => writeln!(
+                text,
+                "albedo     {:.2} assumed for bright pixels: too few shadows to measure it",
+                self.albedo
+            ),
+            count => writeln!(
+                text,
+                "albedo     {:.2} of bright pixels, measured in {count} samples in shadow",
+                self.albedo
+            ),
+        };
+        let mut worst: Vec<&PhotographReport> = self.photographs.iter().collect();
+        worst.sort_by(|a, b| b.residual.total_cmp(&a.residual));
+        let worst = worst.iter().take(WORST);
+        let worst: Vec<String> =
+            worst.map(|light| format!("{} ({:.1} %)", light.name, 100.0 * light.residual)).collect();
+        let _ = writeln!(text, "worst      {}: residual relative to the albedo", worst.join(", "));
+        if let Some(errors) = &self.truth {
+            let all = [
+                ("least squares", &errors.least_squares),
+                ("robust", &errors.robust),
+                ("written", &errors.best),
+            ];
+            text.push('\n');
+            for (name, angles) in all {
+                let _ = writeln!(text, "{name:<14} {}", summary_text(angles, 2, "°"));
+            }
+            let _ = writeln!(
+                text,
+                "{:.0} % of the written normals are within their sigma",
+                100.0 * errors.within_sigma
+            );
+        }
+        let _ = write!(text, "\nwrote {} to {}", OUTPUTS.join(", "), self.output);
+        text
+    }
+}
+
+fn sigma(estimate: &Estimate) -> Option<Summary> {
+    let image = estimate.image(|_, best| [best.sigma_deg; 3]);
+    let values = image.pixels().iter().map(|pixel| if pixel[3] > 0.0 { pixel[0] } else { f32::NAN });
+    Field::new(estimate.width(), estimate.height(), values.collect()).ok()?.summary()
+}

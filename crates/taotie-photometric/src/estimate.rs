@@ -1,0 +1,241 @@
+//! Normals of all pixels by several estimators, with their uncertainty.
+
+use crate::block::LANES;
+use crate::grid::Grid;
+use crate::indirect::{Indirect, quantile};
+use crate::residuals::{LightResiduals, PixelResiduals, Residuals};
+use crate::robust::{self, Fit, Robust, Scratch};
+use crate::samples::Samples;
+use crate::symmetric::Sym2;
+use crate::uncertainty::{RadiusTable, Sources, tangents};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use taotie_engine::error::{Error, Result};
+use taotie_engine::image::Image;
+use taotie_engine::math::Vec3;
+use taotie_engine::{Progress, parallel};
+
+/// The largest uncertainty of a normal, degrees. Beyond it, as in a dark background, the normal means nothing.
+const MOST_SIGMA_DEG: f64 = 45.0;
+
+/// The fraction of the bright pixels' albedo below which a pixel is background.
+const BACKGROUND: f64 = 0.005;
+
+/// Blocks of a task.
+const BLOCKS: usize = 64;
+
+/// The estimate of one pixel.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct PixelEstimate {
+    /// Unit normal: x to the right, y up, z towards the camera.
+    pub normal: Vec3<f64>,
+    /// |b|: the grey under light along the normal.
+    pub albedo: f64,
+    /// Covariance on the tangent plane, square radians, in the basis of [`PixelEstimate::tangents`].
+    pub covariance: Sym2,
+    /// Radius in degrees that holds 68 % of the probability.
+    pub sigma_deg: f64,
+    /// Standard deviation of the residuals relative to the albedo.
+    pub residual: f64,
+}
+
+impl PixelEstimate {
+    /// The two unit vectors of the tangent plane that the covariance refers to.
+    pub fn tangents(&self) -> [Vec3<f64>; 2] {
+        tangents(self.normal)
+    }
+}
+
+/// Normals of all pixels.
+#[derive(Debug, Clone)]
+pub struct Estimate {
+    width: u32,
+    height: u32,
+    /// The number of the pixel of each estimate, row by row.
+    pub pixels: Vec<u32>,
+    /// The best estimate of each pixel; `None` if it is black, too few samples agree, the normal faces
+    /// away, or its uncertainty is above 45°.
+    pub best: Vec<Option<PixelEstimate>>,
+    /// Unit normals by least squares; zero without light.
+    least_squares: Vec<Vec3<f64>>,
+    /// Unit normals by the robust estimator, before indirect light is removed.
+    robust: Vec<Vec3<f64>>,
+    /// The residuals under each light.
+    pub lights: Vec<LightResiduals>,
+    /// Albedo of bright pixels, as indirect light shows it.
+    pub albedo: f64,
+    /// The samples in shadow that it was measured in; 0 if it is assumed.
+    pub shadows: usize,
+}
+
+/// An estimator of normals.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Estimator {
+    /// Least squares over all samples.
+    LeastSquares,
+    /// Without shadows and highlights.
+    Robust,
+    /// Without shadows, highlights and indirect light.
+    Best,
+}
+
+impl Estimate {
+    /// Estimates the normals.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`]; [`Error::Invalid`] if no pixel has a normal.
+    pub fn of(samples: &Samples, progress: Progress<'_>) -> Result<Self> {
+        let [width, height] = [samples.width, samples.height].map(|v| v as usize);
+        let grid = Grid::new(width, height, samples.pixels.clone());
+        let robust = Robust::new(samples);
+        let fits = fits(&robust, samples, progress.stage("fit"))?;
+        let inverse_reaches = fits.iter().map(Fit::inverse_reach).collect();
+        let residuals =
+            Residuals { samples, grid: &grid, lights: robust.lights(), fits: &fits, inverse_reaches };
+        let fitted: Vec<Vec3<f64>> = fits.iter().map(|fit| fit.robust).collect();
+        let indirect = match robust.lights().len() < robust::FEWEST {
+            true => Indirect { direct: fitted.clone(), albedo: 0.0, shadows: 0 },
+            false => Indirect::remove(samples, &grid, &fitted, progress.begin("indirect light")?)?,
+        };
+        progress.begin("uncertainty")?;
+        let of_pixels = residuals.of_pixels();
+        let best = best(&grid, &of_pixels, &fitted, &indirect.direct);
+        if best.iter().all(Option::is_none) {
+            let why = "the photographs are black within the mask, or do not fit the lights";
+            return Err(Error::invalid("no pixel has a normal", why));
+        }
+        Ok(Self {
+            width: samples.width,
+            height: samples.height,
+            pixels: samples.pixels.clone(),
+            best,
+            least_squares: fits.iter().map(|fit| unit(fit.least_squares)).collect(),
+            robust: fits.iter().map(|fit| unit(fit.robust)).collect(),
+            lights: residuals.of_lights(),
+            albedo: indirect.albedo,
+            shadows: indirect.shadows,
+        })
+    }
+
+    /// Width of the photographs in pixels.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Height of the photographs in pixels.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// Returns the normals by an estimator as an image: x, y, z in [-1, 1], and a fourth channel of 1 where the best
+    /// estimate exists, else 0.
+    pub fn normals(&self, estimator: Estimator) -> Image {
+        self.image(|i, best| {
+            let normal = match estimator {
+                Estimator::LeastSquares => self.least_squares[i],
+                Estimator::Robust => self.robust[i],
+                Estimator::Best => best.normal,
+            };
+            normal.to_array()
+        })
+    }
+
+    /// Returns an image of three numbers for each pixel with an estimate, and a fourth channel of 1; zeros elsewhere.
+    pub fn image(&self, value: impl Fn(usize, &PixelEstimate) -> [f64; 3]) -> Image {
+        let mut pixels = vec![[0.0; 4]; self.width as usize * self.height as usize];
+        for (i, (pixel, best)) in self.pixels.iter().zip(&self.best).enumerate() {
+            if let Some(best) = best {
+                let [x, y, z] = value(i, best).map(|v| v as f32);
+                pixels[*pixel as usize] = [x, y, z, 1.0];
+            }
+        }
+        Image::from_pixels(self.width, self.height, pixels).expect("the size is that of the photographs")
+    }
+
+    /// Returns the mean of a number over all pixels with an estimate.
+    pub fn mean(&self, value: impl Fn(&PixelEstimate) -> f64) -> f64 {
+        let found = self.best.iter().flatten();
+        let (sum, count) = found.fold((0.0, 0.0), |(sum, count), best| (sum + value(best), count + 1.0));
+        sum / count
+    }
+}
+
+/// Returns the fit of each pixel.
+fn fits(robust: &Robust, samples: &Samples, progress: Progress<'_>) -> Result<Vec<Fit>> {
+    let count = samples.pixels.len();
+    let size = BLOCKS * LANES;
+    let tasks = count.div_ceil(size);
+    let done = AtomicUsize::new(0);
+    let report = |progress: Progress<'_>| {
+        progress.at((done.fetch_add(1, Ordering::Relaxed) % tasks) as f64 / tasks as f64)
+    };
+    let each = |work: &(dyn Fn(usize, &mut Scratch) -> [Fit; LANES] + Sync), progress: Progress<'_>| {
+        let parts = parallel::try_tasks(tasks, &|task| {
+            report(progress)?;
+            let mut scratch = Scratch::default();
+            let last = ((task + 1) * size).min(count);
+            let firsts = (task * size..last).step_by(LANES);
+            let mut fits: Vec<Fit> = firsts.flat_map(|first| work(first, &mut scratch)).collect();
+            fits.truncate(last - task * size);
+            Ok(fits)
+        })?;
+        Ok::<Vec<Fit>, Error>(parts.concat())
+    };
+    let starts = each(&|first, scratch| robust.start(first, scratch), progress.part(0.0, 0.7))?;
+    let mut scales: Vec<f64> = starts.iter().map(|fit| fit.scale).collect();
+    let middle = scales.len() / 2;
+    let typical = *scales.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let refined = |first: usize, scratch: &mut Scratch| {
+        let fits = std::array::from_fn(|lane| starts[(first + lane).min(count - 1)]);
+        robust.refine(first, fits, typical, scratch)
+    };
+    each(&refined, progress.part(0.7, 1.0))
+}
+
+fn unit(b: Vec3<f64>) -> Vec3<f64> {
+    b.normalize_or(Vec3::splat(0.0))
+}
+
+/// Returns the best estimate of each pixel.
+fn best(
+    grid: &Grid,
+    residuals: &[PixelResiduals],
+    fitted: &[Vec3<f64>],
+    direct: &[Vec3<f64>],
+) -> Vec<Option<PixelEstimate>> {
+    let variances: Vec<f64> = residuals.iter().map(|residuals| residuals.variance).collect();
+    let shared: Vec<f64> = residuals.iter().map(|residuals| residuals.shared).collect();
+    let normals: Vec<Vec3<f64>> = direct.iter().map(|b| unit(*b)).collect();
+    let table = RadiusTable::new();
+    let background = BACKGROUND * quantile(direct.iter().map(|b| b.length()).collect(), 0.95);
+    parallel::collect(direct.len(), |i| {
+        let (b, normal) = (direct[i], normals[i]);
+        let inverse = residuals[i].inverse?;
+        if normal.z.is_nan() || normal.z <= 0.0 || b.length() <= background {
+            return None;
+        }
+        let misfit = grid.smoothed(&shared, i);
+        let variance = grid.smoothed(&variances, i);
+        let differences = grid.neighbours(i).map(|other| {
+            let difference = normal - normals[other];
+            difference.dot(difference)
+        });
+        let (sum, count) = differences.fold((0.0, 0.0), |(sum, count), v| (sum + v, count + 1.0));
+        let turned = unit(fitted[i]).cross(normal).length();
+        let noise = (variance - misfit).max(0.0);
+        let curvature = if count > 0.0 { sum / count } else { 0.0 };
+        let covariance = Sources { b, inverse, noise, misfit, turned, curvature }.covariance();
+        let deviations = covariance.eigenvalues().map(f64::sqrt);
+        let sigma_deg = table.radius(deviations).to_degrees();
+        if sigma_deg.is_nan() || sigma_deg > MOST_SIGMA_DEG {
+            return None;
+        }
+        let albedo = b.length();
+        Some(PixelEstimate {
+            normal,
+            albedo,
+            covariance,
+            sigma_deg,
+            residual: residuals[i].variance.sqrt() / albedo,
+        })
+    })
+}

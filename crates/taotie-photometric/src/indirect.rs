@@ -1,0 +1,198 @@
+//! Light between parts of the object, and the normals without it.
+//!
+//! In a hollow, a surface is also lit by its surroundings. To a Lambertian fit this is a change of the normal, which no
+//! residual reveals: hollows seem shallower (Nayar, Ikeuchi and Kanade 1991). With I_p the grey of pixel p,
+//!
+//! I_p = b_p · l + ρ_p · mean over cosine-distributed rays of I at the point they meet, 0 in the sky,
+//!
+//! so that the fitted vector exceeds the true one by ρ_p times the mean of the fitted vectors in sight, for all light
+//! that falls on both. The relief in sight follows from the normals. The albedo ρ_p is |b_p| times one unknown factor,
+//! which is measured in shadows, where all light is indirect.
+
+use crate::grid::Grid;
+use crate::relief::{RAYS, SKY, heights, visible};
+use crate::samples::Samples;
+use taotie_engine::error::Result;
+use taotie_engine::math::Vec3;
+use taotie_engine::{Progress, parallel};
+
+/// The most cells along a side of the coarse relief: indirect light varies slowly.
+const SIDE: usize = 128;
+/// Rounds: the relief follows from the normals, and these from the light in the relief.
+const ROUNDS: usize = 2;
+/// Shadow samples below which the albedo is assumed.
+const FEWEST_SHADOWS: usize = 50;
+/// The albedo of bright pixels assumed without shadows.
+const ASSUMED_ALBEDO: f64 = 0.5;
+/// The quantile of |b| that counts as bright.
+const BRIGHT: f64 = 0.95;
+/// The fraction of the bright |b| below which a cell is background.
+const DARK: f64 = 0.02;
+/// The sine of the angle by which a surface must face away from a light to be in shadow.
+const SHADOW: f64 = 0.05;
+/// The most albedo of bright pixels, as stray light in the room would make it larger.
+const MOST_ALBEDO: f64 = 0.9;
+
+/// The indirect light of all pixels.
+#[derive(Debug, Clone)]
+pub struct Indirect {
+    /// Normal times albedo of each pixel, without indirect light.
+    pub direct: Vec<Vec3<f64>>,
+    /// Albedo of bright pixels (the 95th percentile).
+    pub albedo: f64,
+    /// The number of samples in shadow that it was measured in; 0 if it is assumed.
+    pub shadows: usize,
+}
+
+impl Indirect {
+    /// Removes indirect light from the estimates of all pixels.
+    ///
+    /// # Errors
+    /// [`taotie_engine::Error::Cancelled`].
+    pub fn remove(
+        samples: &Samples,
+        grid: &Grid,
+        fitted: &[Vec3<f64>],
+        progress: Progress<'_>,
+    ) -> Result<Self> {
+        let coarse = Coarse::new(samples, grid, fitted);
+        let mut direct = coarse.fitted.clone();
+        let mut light =
+            Light { in_sight: vec![Vec3::splat(0.0); direct.len()], factor: 0.0, bright: 1.0, shadows: 0 };
+        for round in 0..ROUNDS {
+            progress.at(round as f64 / ROUNDS as f64)?;
+            let normals: Vec<_> = direct.iter().map(|b| b.normalize_or(Vec3::new(0.0, 0.0, 1.0))).collect();
+            let heights = heights(&coarse.grid, &normals);
+            progress.at((round as f64 + 0.5) / ROUNDS as f64)?;
+            let hits = visible(&coarse.grid, &heights, &normals);
+            light = coarse.light(samples, &direct, &hits);
+            let fitted = coarse.fitted.iter().zip(&light.in_sight);
+            direct = fitted.map(|(fitted, in_sight)| without(*fitted, *in_sight, light.factor)).collect();
+        }
+        let direct = parallel::collect(fitted.len(), |i| {
+            let in_sight = coarse.interpolated(grid.position(i), &light.in_sight);
+            without(fitted[i], in_sight, light.factor).to_array()
+        });
+        let direct = direct.into_iter().map(Vec3::from_array).collect();
+        Ok(Self { direct, albedo: light.factor * light.bright, shadows: light.shadows })
+    }
+}
+
+/// Returns the fitted vector less the indirect light: b = fitted − factor · |b| · in_sight.
+fn without(fitted: Vec3<f64>, in_sight: Vec3<f64>, factor: f64) -> Vec3<f64> {
+    let mut b = fitted;
+    for _ in 0..3 {
+        b = fitted - in_sight * (factor * b.length());
+    }
+    // More than half cannot be indirect on a convex mean surface; such a relief is wrong.
+    if b.length() < 0.5 * fitted.length() { fitted } else { b }
+}
+
+/// Returns the element at a quantile, 0 of none.
+pub fn quantile(mut values: Vec<f64>, q: f64) -> f64 {
+    values.sort_unstable_by(f64::total_cmp);
+    values.get((q * values.len() as f64) as usize).copied().unwrap_or(0.0)
+}
+
+/// Means over square cells of pixels.
+struct Coarse {
+    grid: Grid,
+    /// Pixels along the side of a cell.
+    size: usize,
+    fitted: Vec<Vec3<f64>>,
+    /// For each photograph the grey of each cell.
+    images: Vec<Vec<f32>>,
+}
+
+/// Light between cells.
+struct Light {
+    /// The mean of the fitted vectors that each cell sees.
+    in_sight: Vec<Vec3<f64>>,
+    /// The factor from |b| to albedo.
+    factor: f64,
+    /// |b| of bright cells.
+    bright: f64,
+    /// Samples in shadow.
+    shadows: usize,
+}
+
+impl Coarse {
+    fn new(samples: &Samples, grid: &Grid, fitted: &[Vec3<f64>]) -> Self {
+        let size = grid.width.max(grid.height).div_ceil(SIDE);
+        let [width, height] = [grid.width.div_ceil(size), grid.height.div_ceil(size)];
+        let mut members: Vec<Vec<u32>> = vec![Vec::new(); width * height];
+        for element in 0..grid.pixels.len() {
+            let [x, y] = grid.position(element);
+            members[y / size * width + x / size].push(element as u32);
+        }
+        let mean = |members: &Vec<u32>| {
+            let sum = members.iter().fold(Vec3::splat(0.0), |sum, i| sum + fitted[*i as usize]);
+            sum / members.len().max(1) as f64
+        };
+        let means: Vec<Vec3<f64>> = members.iter().map(mean).collect();
+        let dark = DARK * quantile(means.iter().map(|b| b.length()).collect(), BRIGHT);
+        // At least half of a cell's pixels must belong to the object.
+        let is_cell = |cell: &usize| 2 * members[*cell].len() >= size * size && means[*cell].length() > dark;
+        let cells: Vec<usize> = (0..members.len()).filter(is_cell).collect();
+        let members: Vec<&Vec<u32>> = cells.iter().map(|cell| &members[*cell]).collect();
+        let fitted = cells.iter().map(|cell| means[*cell]).collect();
+        let cells = cells.into_iter().map(|cell| cell as u32).collect();
+        let images = parallel::tasks(samples.images.len(), &|k| {
+            let grey = |i: &u32| samples.images[k][*i as usize].grey();
+            members
+                .iter()
+                .map(|members| members.iter().map(grey).sum::<f32>() / members.len() as f32)
+                .collect()
+        });
+        Self { grid: Grid::new(width, height, cells), size, fitted, images }
+    }
+
+    /// Returns the indirect light, given the cells that rays from each cell meet.
+    fn light(&self, samples: &Samples, direct: &[Vec3<f64>], hits: &[u32]) -> Light {
+        let rays = |cell: usize| hits[cell * RAYS..(cell + 1) * RAYS].iter().filter(|hit| **hit != SKY);
+        let in_sight = (0..direct.len()).map(|cell| {
+            rays(cell).fold(Vec3::splat(0.0), |sum, hit| sum + self.fitted[*hit as usize]) / RAYS as f64
+        });
+        let in_sight = in_sight.collect();
+        if direct.is_empty() {
+            return Light { in_sight, factor: 0.0, bright: 1.0, shadows: 0 };
+        }
+        let lengths: Vec<f64> = direct.iter().map(|b| b.length()).collect();
+        let typical = quantile(lengths.clone(), 0.5);
+        let bright = quantile(lengths.clone(), BRIGHT).max(f64::MIN_POSITIVE);
+        // Regression through the origin of the grey in attached shadows on the light in sight.
+        let (mut product, mut square, mut shadows) = (0.0, 0.0, 0);
+        for (cell, b) in direct.iter().enumerate() {
+            let in_shadow = |(_, l): &(usize, &Vec3<f64>)| b.dot(**l) < -SHADOW * lengths[cell];
+            for (k, _) in samples.lights.iter().enumerate().filter(in_shadow) {
+                let seen: f64 = rays(cell).map(|hit| f64::from(self.images[k][*hit as usize])).sum();
+                let x = lengths[cell] * seen / RAYS as f64;
+                if x > 1e-4 * typical * typical {
+                    product += x * f64::from(self.images[k][cell]);
+                    square += x * x;
+                    shadows += 1;
+                }
+            }
+        }
+        let most = MOST_ALBEDO / bright;
+        match shadows >= FEWEST_SHADOWS {
+            true => Light { in_sight, factor: (product / square).min(most), bright, shadows },
+            false => Light { in_sight, factor: ASSUMED_ALBEDO / bright, bright, shadows: 0 },
+        }
+    }
+
+    /// Returns the value at a pixel, interpolated between the centres of cells.
+    fn interpolated(&self, position: [usize; 2], values: &[Vec3<f64>]) -> Vec3<f64> {
+        let [x, y] = position.map(|v| (v as f64 + 0.5) / self.size as f64 - 0.5);
+        let (left, above) = (x.floor(), y.floor());
+        let (mut sum, mut total) = (Vec3::splat(0.0), 0.0);
+        for (dx, dy) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
+            let share = (1.0 - (x - left - dx).abs()) * (1.0 - (y - above - dy).abs());
+            if let Some(cell) = self.grid.at((left + dx) as i64, (above + dy) as i64) {
+                sum += values[cell] * share;
+                total += share;
+            }
+        }
+        if total > 1e-9 { sum / total } else { sum }
+    }
+}

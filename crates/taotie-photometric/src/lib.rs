@@ -1,0 +1,41 @@
+//! Normals from photographs of one object from one position under changing light (photometric stereo), each with its
+//! uncertainty in degrees.
+//!
+//! ```no_run
+//! use taotie_engine::{Progress, Warnings};
+//! use taotie_photometric::{Estimate, PhotographSet, Reading, Samples, Transfer};
+//!
+//! let mut warnings = Warnings::default();
+//! let set = PhotographSet::open("coin/dome.lp".as_ref(), &mut warnings)?;
+//! let reading = Reading { mask: None, transfer: Transfer::Auto, limits: Default::default() };
+//! let samples = Samples::read(&set, &reading, Progress::SILENT)?;
+//! let estimate = Estimate::of(&samples, Progress::SILENT)?;
+//! println!("mean uncertainty {:.2}°", estimate.mean(|pixel| pixel.sigma_deg));
+//! # Ok::<(), taotie_engine::Error>(())
+//! ```
+//!
+//! Light is distant, and the camera far away. Estimates do not depend on the number of threads.
+
+mod block;
+mod diligent;
+mod estimate;
+mod folder;
+mod grid;
+mod indirect;
+mod light;
+mod lp;
+mod plane;
+mod relief;
+mod residuals;
+mod robust;
+mod samples;
+mod set;
+mod symmetric;
+mod uncertainty;
+
+pub use estimate::{Estimate, Estimator, PixelEstimate};
+pub use light::Light;
+pub use residuals::LightResiduals;
+pub use samples::{Reading, Sample, Samples, Transfer};
+pub use set::{Photograph, PhotographSet};
+pub use symmetric::Sym2;

@@ -1,0 +1,84 @@
+//! The light of a photograph, and the checks that all lights of a set have in common.
+
+use taotie_engine::error::{Error, Result};
+use taotie_engine::math::Vec3;
+
+/// The light of one photograph: distant, from one direction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Light {
+    /// Unit vector towards the light: x to the right of the picture, y up, z towards the camera.
+    pub direction: Vec3<f64>,
+    /// Radiance in red, green and blue, above 0, relative to the other photographs.
+    pub intensity: [f64; 3],
+}
+
+impl Light {
+    /// Makes a light of intensity 1 from a vector towards it, of any length; `None` if the vector has no direction.
+    pub fn towards(vector: [f64; 3]) -> Option<Self> {
+        let length = vector.iter().fold(0.0, |sum: f64, v| sum + v * v).sqrt();
+        let usable = length.is_finite() && length > 1e-9;
+        usable.then(|| Self { direction: Vec3::from_array(vector.map(|v| v / length)), intensity: [1.0; 3] })
+    }
+}
+
+/// The fewest photographs from which a normal and its uncertainty follow: three unknowns, and one more for the
+/// residual.
+pub const FEWEST: usize = 4;
+
+/// The smallest eigenvalue of the mean of l lᵀ with which the normal is determined. Lights on a cone of half-angle 4°
+/// around the view reach it.
+const LEAST_SPREAD: f64 = 0.002;
+
+/// Checks that the lights determine a normal. `file` is the file that states them.
+///
+/// # Errors
+/// [`Error::Invalid`] if there are fewer than [`FEWEST`], all come from behind, or they lie nearly in a plane.
+pub fn check(lights: &[Light], file: &str) -> Result<()> {
+    if lights.len() < FEWEST {
+        let what = format!("{file}: {} lights", lights.len());
+        return Err(Error::invalid(what, format!("at least {FEWEST} are needed; add photographs")));
+    }
+    if lights.iter().all(|light| light.direction.z <= 0.0) {
+        return Err(Error::invalid(
+            format!("{file}: lights from behind the object"),
+            "z must point from the object towards the camera; negate z in the file",
+        ));
+    }
+    if least_spread(lights) < LEAST_SPREAD {
+        return Err(Error::invalid(
+            format!("{file}: lights nearly in one plane or from one direction"),
+            "normals cannot be determined; add photographs lit from other directions",
+        ));
+    }
+    Ok(())
+}
+
+/// Returns the smallest eigenvalue of the mean of l lᵀ.
+fn least_spread(lights: &[Light]) -> f64 {
+    let mut sums = crate::symmetric::Sym3::default();
+    lights.iter().for_each(|light| sums.add(light.direction, 1.0 / lights.len() as f64));
+    sums.least_eigenvalue()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lights(vectors: &[[f64; 3]]) -> Vec<Light> {
+        vectors.iter().map(|v| Light::towards(*v).unwrap()).collect()
+    }
+
+    #[test]
+    fn lights_that_determine_nothing_are_refused() {
+        let good = [[0.5, 0.0, 1.0], [-0.5, 0.0, 1.0], [0.0, 0.5, 1.0], [0.0, -0.5, 1.0]];
+        assert!(check(&lights(&good), "a.lp").is_ok());
+        let why = |vectors: &[[f64; 3]]| check(&lights(vectors), "a.lp").unwrap_err().to_string();
+        assert!(why(&good[..3]).contains("at least 4"));
+        assert!(why(&[[0.1, 0.0, 1.0]; 5]).contains("one direction"));
+        assert!(
+            why(&[[0.1, 0.0, 1.0], [0.5, 0.0, 1.0], [-0.3, 0.0, 1.0], [0.9, 0.0, 0.2]]).contains("plane")
+        );
+        assert!(why(&good.map(|[x, y, z]| [x, y, -z])).contains("negate z"));
+        assert!(Light::towards([0.0; 3]).is_none() && Light::towards([f64::NAN, 0.0, 1.0]).is_none());
+    }
+}

@@ -1,0 +1,85 @@
+//! A rectangle with the estimated normals and albedo as textures, to be shown, rendered and compared.
+
+use crate::estimate::{Estimate, Estimator};
+use crate::indirect::quantile;
+use taotie_engine::error::Result;
+use taotie_engine::image::{Bitmap, Encoding, Sampler, Texels, Texture, Wrap};
+use taotie_engine::math::srgb::srgb_from_linear;
+use taotie_engine::math::{Mat4, Vec2, Vec3};
+use taotie_engine::mesh::{Mesh, MeshData};
+use taotie_engine::scene::{
+    AlphaMode, GreenChannel, Instance, Material, NormalMap, NormalSpace, Scene, SceneData, TextureRef,
+    UvTransform,
+};
+
+/// The albedo of bright pixels if light between parts of the object does not show it.
+const ASSUMED_ALBEDO: f64 = 0.5;
+
+/// Photographs do not determine the roughness.
+const ROUGHNESS: f32 = 0.8;
+
+impl Estimate {
+    /// Returns a rectangle that faces +z, its longer side 1, with a tangent-space normal map of 16 bits and a base
+    /// colour that is transparent outside the mask.
+    ///
+    /// # Errors
+    /// Those of [`Scene::new`], none of which can occur.
+    pub fn plane(&self) -> Result<Scene> {
+        let (width, height) = (self.width(), self.height());
+        let normals = self.normals(Estimator::Best);
+        let code = |v: f32| ((0.5 * v + 0.5) * 65_535.0 + 0.5) as u16;
+        let texel = |[x, y, z, has]: &[f32; 4]| match *has > 0.0 {
+            true => [code(*x), code(*y), code(*z), u16::MAX],
+            false => [32_768, 32_768, u16::MAX, u16::MAX],
+        };
+        let normals = Texels::U16(normals.pixels().iter().map(texel).collect());
+        let normals = Texture::new(Bitmap::new(width, height, 3, normals)?, Encoding::Normal);
+        let colors = Texels::U8(self.base_colors());
+        let colors = Texture::new(Bitmap::new(width, height, 4, colors)?, Encoding::Srgb);
+        let sampler = Sampler { wrap_u: Wrap::Clamp, wrap_v: Wrap::Clamp, ..Sampler::default() };
+        let used = |texture| TextureRef { texture, uv_set: 0, sampler, transform: UvTransform::default() };
+        let normal =
+            NormalMap { texture: used(0), scale: 1.0, space: NormalSpace::Tangent, green: GreenChannel::Up };
+        let masked =
+            self.best.len() < width as usize * height as usize || self.best.iter().any(Option::is_none);
+        let material = Material {
+            name: "photographs".to_owned(),
+            base_color_texture: Some(used(1)),
+            metallic: 0.0,
+            roughness: ROUGHNESS,
+            normal: Some(normal),
+            alpha: if masked { AlphaMode::Mask(0.5) } else { AlphaMode::Opaque },
+            ..Material::default()
+        };
+        Scene::new(SceneData {
+            meshes: vec![rectangle(width, height)?],
+            materials: vec![material],
+            textures: vec![normals, colors],
+            instances: vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }],
+            ..SceneData::default()
+        })
+    }
+
+    fn base_colors(&self) -> Vec<[u8; 4]> {
+        let bright = quantile(self.best.iter().flatten().map(|best| best.albedo).collect(), 0.95);
+        let albedo = if self.albedo > 0.0 { self.albedo } else { ASSUMED_ALBEDO };
+        let factor = albedo / bright.max(f64::MIN_POSITIVE);
+        let colors = self.image(|_, best| [srgb_from_linear((best.albedo * factor).clamp(0.0, 1.0)); 3]);
+        let code = |v: f32| (v * 255.0 + 0.5) as u8;
+        colors.pixels().iter().map(|pixel| pixel.map(code)).collect()
+    }
+}
+
+fn rectangle(width: u32, height: u32) -> Result<Mesh> {
+    let longer = f64::from(width.max(height));
+    let [x, y] = [width, height].map(|side| 0.5 * f64::from(side) / longer);
+    let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+    let uv = |[u, v]: [f64; 2]| Vec2::new(0.5 + 0.5 * u as f32, 0.5 - 0.5 * v as f32);
+    Mesh::new(MeshData {
+        positions: corners.iter().map(|[u, v]| Vec3::new(x * u, y * v, 0.0).to_f32()).collect(),
+        normals: vec![Vec3::new(0.0, 0.0, 1.0); 4],
+        uvs: vec![corners.map(uv).to_vec()],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..MeshData::default()
+    })
+}

@@ -1,0 +1,146 @@
+//! The residuals of the robust fit: their variance in each pixel, the part that neighbours share, and their size under
+//! each light.
+
+use crate::block::LightTerms;
+use crate::grid::Grid;
+use crate::robust::{Fit, weight};
+use crate::samples::Samples;
+use crate::symmetric::Sym3;
+use taotie_engine::math::Vec3;
+use taotie_engine::parallel;
+
+/// The weight above which a sample's residual is compared with its neighbours'.
+const COMPARED: f64 = 0.3;
+/// A sample darker than this fraction of the fit is in shadow.
+const SHADOW: f64 = 0.5;
+/// Pixels of a part: sums do not depend on the number of threads.
+const PART: usize = 2048;
+
+/// The residuals of one pixel.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct PixelResiduals {
+    /// Inverse of Σ w l lᵀ; `None` if too few samples agree with the fit.
+    pub inverse: Option<Sym3>,
+    /// Weighted variance.
+    pub variance: f64,
+    /// Mean product with the residuals of neighbours under the same light, from 0 to the variance.
+    pub shared: f64,
+}
+
+/// The residuals under one light.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct LightResiduals {
+    /// Root mean square of (I − b · l) / |b| over samples that are lit.
+    pub relative: f64,
+    /// Fraction of the samples that are in shadow.
+    pub shadowed: f64,
+    /// Fraction of the samples without weight in the fit.
+    pub rejected: f64,
+}
+
+/// Sums for one light.
+#[derive(Debug, Clone, Copy, Default)]
+struct LightSums {
+    squares: f64,
+    lit: f64,
+    shadowed: f64,
+    rejected: f64,
+}
+
+/// Computes residuals from fits.
+pub struct Residuals<'a> {
+    /// The samples.
+    pub samples: &'a Samples,
+    /// Their pixels.
+    pub grid: &'a Grid,
+    /// Their lights.
+    pub lights: &'a [LightTerms],
+    /// The fit of each pixel.
+    pub fits: &'a [Fit],
+    /// [`Fit::inverse_reach`] of each pixel.
+    pub inverse_reaches: Vec<f64>,
+}
+
+impl Residuals<'_> {
+    /// Returns the residuals of each pixel.
+    pub fn of_pixels(&self) -> Vec<PixelResiduals> {
+        parallel::collect(self.fits.len(), |i| self.of_pixel(i))
+    }
+
+    fn of_pixel(&self, pixel: usize) -> PixelResiduals {
+        let [x, y] = self.grid.position(pixel).map(|v| v as i64);
+        let others = [self.grid.at(x + 1, y), self.grid.at(x, y + 1)];
+        let (mut matrix, mut squares, mut total) = (Sym3::default(), 0.0, 0.0);
+        let (mut products, mut pairs) = (0.0, 0.0);
+        for k in 0..self.lights.len() {
+            let (residual, weight) = self.residual(pixel, k);
+            matrix.add(self.lights[k].direction, weight);
+            squares += weight * residual * residual;
+            total += weight;
+            if weight <= COMPARED {
+                continue;
+            }
+            for other in others.into_iter().flatten() {
+                let (of_other, weight) = self.residual(other, k);
+                if weight > COMPARED {
+                    products += residual * of_other;
+                    pairs += 1.0;
+                }
+            }
+        }
+        let variance = squares / (total - 3.0).max(1.0);
+        let shared = if pairs > 0.0 { (products / pairs).clamp(0.0, variance) } else { 0.0 };
+        let inverse = if total > 3.0 { matrix.inverse() } else { None };
+        PixelResiduals { inverse, variance, shared }
+    }
+
+    /// Returns the residual of a sample and its weight in the fit.
+    #[inline]
+    fn residual(&self, pixel: usize, k: usize) -> (f64, f64) {
+        let fit = &self.fits[pixel];
+        let Vec3 { x, y, z } = self.lights[k].direction;
+        let shaded = fit.robust.x * x + fit.robust.y * y + fit.robust.z * z;
+        let residual = f64::from(self.samples.images[k][pixel].grey()) - shaded;
+        (residual, weight(residual, self.inverse_reaches[pixel]))
+    }
+
+    /// Returns the residuals under each light.
+    pub fn of_lights(&self) -> Vec<LightResiduals> {
+        let parts = parallel::tasks(self.fits.len().div_ceil(PART), &|part| {
+            let pixels = part * PART..((part + 1) * PART).min(self.fits.len());
+            let mut sums = vec![LightSums::default(); self.lights.len()];
+            pixels.for_each(|pixel| self.add(pixel, &mut sums));
+            sums
+        });
+        let count = self.fits.len() as f64;
+        let of_light = |k: usize| {
+            let sum = |field: fn(&LightSums) -> f64| parts.iter().map(|part| field(&part[k])).sum::<f64>();
+            LightResiduals {
+                relative: (sum(|s| s.squares) / sum(|s| s.lit).max(1.0)).sqrt(),
+                shadowed: sum(|s| s.shadowed) / count,
+                rejected: sum(|s| s.rejected) / count,
+            }
+        };
+        (0..self.lights.len()).map(of_light).collect()
+    }
+
+    fn add(&self, pixel: usize, sums: &mut [LightSums]) {
+        let length = self.fits[pixel].robust.length();
+        if length <= 0.0 {
+            return;
+        }
+        for (k, sums) in sums.iter_mut().enumerate() {
+            let (residual, weight) = self.residual(pixel, k);
+            let grey = f64::from(self.samples.images[k][pixel].grey());
+            if grey < SHADOW * (grey - residual) || grey <= residual {
+                sums.shadowed += 1.0;
+            } else {
+                sums.squares += (residual / length) * (residual / length);
+                sums.lit += 1.0;
+            }
+            if weight == 0.0 {
+                sums.rejected += 1.0;
+            }
+        }
+    }
+}

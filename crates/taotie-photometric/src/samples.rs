@@ -1,0 +1,278 @@
+//! The pixels of all photographs within the mask, in linear light.
+
+use crate::set::PhotographSet;
+use std::path::Path;
+use taotie_engine::error::{Error, Result};
+use taotie_engine::image::{Bitmap, Texels};
+use taotie_engine::math::Vec3;
+use taotie_engine::math::srgb::linear_from_srgb;
+use taotie_engine::names::Named;
+use taotie_engine::{Progress, parallel};
+use taotie_io::{Bytes, Limits, read_bitmap_within};
+
+/// The meaning of the numbers in photographs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Transfer {
+    /// Linear for 16 bits and floats, sRGB for 8 bits.
+    #[default]
+    Auto,
+    /// Proportional to radiance.
+    Linear,
+    /// Encoded by the sRGB curve.
+    Srgb,
+}
+
+impl Named for Transfer {
+    const WHAT: &'static str = "encoding of photographs";
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("auto", Self::Auto), ("linear", Self::Linear), ("srgb", Self::Srgb)];
+}
+
+/// A pixel of a photograph: linear grey, the mean of the channels, divided by the light's intensity. The sign bit is
+/// set if a channel is saturated.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Sample(f32);
+
+impl Sample {
+    fn new(grey: f64, saturated: bool) -> Self {
+        let grey = if grey.is_finite() { (grey.clamp(0.0, 1e12) + 0.0) as f32 } else { 0.0 };
+        Self(if saturated { -grey } else { grey })
+    }
+
+    /// The linear grey, at least 0.
+    #[inline]
+    pub fn grey(self) -> f32 {
+        self.0.abs()
+    }
+
+    /// Returns true if a channel is saturated: the grey is then a lower bound.
+    #[inline]
+    pub fn is_saturated(self) -> bool {
+        self.0.is_sign_negative()
+    }
+}
+
+/// The samples of all photographs.
+#[derive(Debug, Clone)]
+pub struct Samples {
+    /// Width of the photographs in pixels.
+    pub width: u32,
+    /// Height of the photographs in pixels.
+    pub height: u32,
+    /// The numbers of the pixels within the mask, row by row, in order.
+    pub pixels: Vec<u32>,
+    /// For each photograph the samples of these pixels.
+    pub images: Vec<Vec<Sample>>,
+    /// For each photograph the unit vector towards its light.
+    pub lights: Vec<Vec3<f64>>,
+    /// Bits per channel of the photographs.
+    pub bits: u8,
+    /// The encoding of the photographs: linear or sRGB.
+    pub transfer: Transfer,
+}
+
+/// The most pixels of all photographs together, so that indices and sums stay exact.
+const MOST_SAMPLES: u64 = 1 << 36;
+
+/// How to read photographs.
+#[derive(Debug, Clone, Copy)]
+pub struct Reading<'a> {
+    /// The mask, instead of the set's: white inside.
+    pub mask: Option<&'a Path>,
+    /// The encoding of the photographs.
+    pub transfer: Transfer,
+    /// Limits of memory and image sizes.
+    pub limits: Limits,
+}
+
+impl Samples {
+    /// Reads all photographs of a set.
+    ///
+    /// # Errors
+    /// [`Error::Io`], [`Error::Parse`] and [`Error::Unsupported`] for images that cannot be read, [`Error::Invalid`]
+    /// if sizes or depths differ or the mask is empty, [`Error::Limit`], [`Error::Cancelled`].
+    pub fn read(set: &PhotographSet, reading: &Reading, progress: Progress<'_>) -> Result<Self> {
+        let first = &set.photographs[0].path;
+        let bitmap = read_bitmap_within(first, &reading.limits)?;
+        let shape = Shape::of(&bitmap);
+        let mask = match reading.mask.or(set.mask.as_deref()) {
+            Some(path) => mask_pixels(path, shape, &reading.limits)?,
+            None => (0..shape.width * shape.height).collect(),
+        };
+        let count = set.photographs.len();
+        let what = format!("{count} photographs of {}x{}", shape.width, shape.height);
+        if mask.len() as u64 * count as u64 > MOST_SAMPLES {
+            return Err(Error::limit(what, "use a mask, or scale the photographs down"));
+        }
+        let need = estimated_bytes(count, mask.len(), shape);
+        reading.limits.check(what, Bytes(need))?;
+        let transfer = match (reading.transfer, shape.bits) {
+            (Transfer::Auto, 8) => Transfer::Srgb,
+            (Transfer::Auto, _) => Transfer::Linear,
+            (chosen, _) => chosen,
+        };
+        drop(bitmap);
+        let decoder = Decoder { first, shape, pixels: &mask, curve: curve(transfer, shape.bits) };
+        let done = std::sync::atomic::AtomicUsize::new(0);
+        let images = parallel::try_tasks(count, &|i| {
+            let photograph = &set.photographs[i];
+            let bitmap = read_bitmap_within(&photograph.path, &reading.limits)?;
+            let samples = decoder.samples(&photograph.path, &bitmap, photograph.light.intensity)?;
+            let done = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
+            progress.at(done as f64 / count as f64)?;
+            Ok(samples)
+        })?;
+        let lights = set.photographs.iter().map(|photograph| photograph.light.direction).collect();
+        let Shape { width, height, bits } = shape;
+        Ok(Self { width, height, pixels: mask, images, lights, bits, transfer })
+    }
+
+    /// The number of samples that are saturated.
+    pub fn saturated(&self) -> usize {
+        parallel::fold(self.images.len(), |sum: &mut usize, i| {
+            *sum += self.images[i].iter().filter(|sample| sample.is_saturated()).count();
+        })
+        .into_iter()
+        .sum()
+    }
+}
+
+/// Returns the memory for reading and estimating: samples, one decoded photograph for each thread, and results.
+fn estimated_bytes(photographs: usize, pixels: usize, shape: Shape) -> u64 {
+    /// The program itself.
+    const PROGRAM: u64 = 32 << 20;
+    /// Estimates, covariances and files of a pixel.
+    const RESULTS: u64 = 400;
+    /// A decoded pixel with the decoder's own copy.
+    const DECODED: u64 = 24;
+    let threads = taotie_io::most_threads().unwrap_or(16).min(photographs) as u64;
+    let area = u64::from(shape.width) * u64::from(shape.height);
+    PROGRAM
+        + photographs as u64 * pixels as u64 * 4
+        + pixels as u64 * RESULTS
+        + area * (DECODED * threads + 32)
+}
+
+/// Size and depth of a photograph.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Shape {
+    width: u32,
+    height: u32,
+    bits: u8,
+}
+
+impl Shape {
+    fn of(bitmap: &Bitmap) -> Self {
+        Self { width: bitmap.width(), height: bitmap.height(), bits: bitmap.bits() }
+    }
+}
+
+impl std::fmt::Display for Shape {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}x{} pixels of {} bits", self.width, self.height, self.bits)
+    }
+}
+
+fn mask_pixels(path: &Path, shape: Shape, limits: &Limits) -> Result<Vec<u32>> {
+    let mask = read_bitmap_within(path, limits)?;
+    if (mask.width(), mask.height()) != (shape.width, shape.height) {
+        let what = format!("{}: a mask of {}x{}", path.display(), mask.width(), mask.height());
+        let why = format!("the photographs have {}x{}; they must be the same", shape.width, shape.height);
+        return Err(Error::invalid(what, why));
+    }
+    let pixels: Vec<u32> =
+        (0..shape.width * shape.height).filter(|i| is_inside(mask.stored(*i as usize))).collect();
+    match pixels.is_empty() {
+        true => Err(Error::invalid(
+            format!("{}: an empty mask", path.display()),
+            "pixels to estimate must be white",
+        )),
+        false => Ok(pixels),
+    }
+}
+
+fn is_inside([red, green, blue, alpha]: [f32; 4]) -> bool {
+    red.max(green).max(blue) > 0.5 && alpha > 0.5
+}
+
+/// Returns the linear value of each code; empty for values that are linear already.
+fn curve(transfer: Transfer, bits: u8) -> Vec<f32> {
+    let codes = match (transfer, bits) {
+        (Transfer::Srgb, 8) => 256,
+        (Transfer::Srgb, 16) => 65_536,
+        _ => 0,
+    };
+    (0..codes).map(|code| linear_from_srgb(f64::from(code) / f64::from(codes - 1)) as f32).collect()
+}
+
+/// Converts photographs to samples.
+struct Decoder<'a> {
+    /// The first photograph, which determines the shape.
+    first: &'a Path,
+    shape: Shape,
+    pixels: &'a [u32],
+    curve: Vec<f32>,
+}
+
+impl Decoder<'_> {
+    fn samples(&self, path: &Path, bitmap: &Bitmap, intensity: [f64; 3]) -> Result<Vec<Sample>> {
+        let shape = Shape::of(bitmap);
+        if shape != self.shape {
+            let why = format!("{} has {}; all photographs must be alike", self.first.display(), self.shape);
+            return Err(Error::invalid(format!("{}: {shape}", path.display()), why));
+        }
+        let factors = intensity.map(|v| 1.0 / (3.0 * v));
+        let sample = |i: &u32| {
+            let i = *i as usize;
+            let (values, saturated) = match bitmap.texels() {
+                Texels::U8(texels) => {
+                    (self.linear(bitmap, i, texels[i].map(usize::from)), is_full(texels[i], u8::MAX))
+                }
+                Texels::U16(texels) => {
+                    (self.linear(bitmap, i, texels[i].map(usize::from)), is_full(texels[i], u16::MAX))
+                }
+                Texels::F32(texels) => (texels[i], false),
+            };
+            let grey: f64 = (0..3).map(|c| f64::from(values[c]).max(0.0) * factors[c]).sum();
+            Sample::new(grey, saturated)
+        };
+        Ok(self.pixels.iter().map(sample).collect())
+    }
+
+    fn linear(&self, bitmap: &Bitmap, i: usize, codes: [usize; 4]) -> [f32; 4] {
+        if self.curve.is_empty() { bitmap.stored(i) } else { codes.map(|code| self.curve[code]) }
+    }
+}
+
+/// Returns true if red, green or blue is the largest code.
+fn is_full<T: PartialEq + Copy>(texel: [T; 4], most: T) -> bool {
+    texel[..3].contains(&most)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn codes_become_linear_light() {
+        let decoder = |bits, transfer| Decoder {
+            first: Path::new("a.png"),
+            shape: Shape { width: 2, height: 1, bits },
+            pixels: &[0, 1],
+            curve: curve(transfer, bits),
+        };
+        let path = Path::new("b.png");
+        let bytes = Bitmap::new(2, 1, 3, Texels::U8(vec![[128, 128, 128, 255], [255, 0, 0, 255]])).unwrap();
+        let read = decoder(8, Transfer::Srgb).samples(path, &bytes, [1.0; 3]).unwrap();
+        assert!((read[0].grey() - 0.2158).abs() < 1e-4 && !read[0].is_saturated());
+        assert!((read[1].grey() - 1.0 / 3.0).abs() < 1e-6 && read[1].is_saturated());
+        let words = Bitmap::new(2, 1, 3, Texels::U16(vec![[32768; 4], [0, 0, 0, 65535]])).unwrap();
+        let read = decoder(16, Transfer::Linear).samples(path, &words, [2.0, 2.0, 2.0]).unwrap();
+        assert!((read[0].grey() - 0.25).abs() < 1e-4 && read[1] == Sample::new(0.0, false));
+        let error = decoder(8, Transfer::Srgb).samples(path, &words, [1.0; 3]).unwrap_err().to_string();
+        assert!(
+            error.contains("b.png: 2x1 pixels of 16 bits") && error.contains("a.png has 2x1 pixels of 8"),
+            "{error}"
+        );
+    }
+}

@@ -1,0 +1,226 @@
+//! A set of photographs with their lights, from an `.lp` file or a folder.
+
+use crate::diligent::{self, Text};
+use crate::folder::{Folder, check_format};
+use crate::light::{self, Light};
+use crate::lp::{Entry, parse_lp};
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use taotie_engine::Warnings;
+use taotie_engine::error::{Error, Result};
+use taotie_io::{decode_text, quote, read_bytes};
+
+/// A photograph and its light.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Photograph {
+    /// The image file.
+    pub path: PathBuf,
+    /// Its light.
+    pub light: Light,
+}
+
+/// Photographs of one object from one position, each under one distant light.
+#[derive(Debug, Clone)]
+pub struct PhotographSet {
+    /// The photographs, at least four, whose lights determine a normal.
+    pub photographs: Vec<Photograph>,
+    /// An image named `mask` next to them.
+    pub mask: Option<PathBuf>,
+    /// The file that states the lights.
+    pub lights: PathBuf,
+    /// `lp` or `diligent`.
+    pub layout: &'static str,
+    /// All files that were read, except for the photographs.
+    pub files: Vec<PathBuf>,
+}
+
+/// The longest file of lights, bytes.
+const LONGEST: usize = 1 << 24;
+
+impl PhotographSet {
+    /// Opens an `.lp` file, a folder with one, or a folder in the layout of DiLiGenT. The photographs are not read yet.
+    ///
+    /// # Errors
+    /// [`Error::Io`], [`Error::Parse`] with file and line, [`Error::Invalid`] if it is unclear which lights count, or
+    /// if they do not determine a normal.
+    pub fn open(path: &Path, warnings: &mut Warnings) -> Result<Self> {
+        if !path.is_dir() {
+            return Self::of_lp(path, warnings);
+        }
+        let folder = Folder::read(path)?;
+        let lps: Vec<&str> = folder.with_extension(&["lp"]).collect();
+        let found = diligent::FILES.map(|name| folder.find(name));
+        match (lps.as_slice(), found) {
+            ([], [Some(names), Some(directions), intensities]) => {
+                Self::of_diligent(&folder, [names, directions], intensities, warnings)
+            }
+            ([], [None, None, _]) => Err(Error::invalid(
+                format!("{}: no lights", path.display()),
+                format!("add an .lp file, or {} and {} of DiLiGenT", diligent::FILES[0], diligent::FILES[1]),
+            )),
+            ([], [names, ..]) => {
+                let missing = diligent::FILES[usize::from(names.is_some())];
+                Err(Error::invalid(
+                    format!("{}: {missing} is missing", path.display()),
+                    "add it, or an .lp file",
+                ))
+            }
+            ([lp], [None, None, _]) => Self::of_lp(&path.join(lp), warnings),
+            (lps, found) => {
+                let names = found
+                    .iter()
+                    .flatten()
+                    .filter_map(|path| path.file_name())
+                    .map(|name| name.to_string_lossy());
+                let all: Vec<_> = lps.iter().map(|lp| (*lp).into()).chain(names).collect();
+                Err(Error::invalid(
+                    format!("{}: several files of lights ({})", path.display(), all.join(", ")),
+                    "name the .lp file to use, or move the others away",
+                ))
+            }
+        }
+    }
+
+    fn of_lp(path: &Path, warnings: &mut Warnings) -> Result<Self> {
+        let entries = parse_lp(path, &text_of(path)?)?;
+        let folder = Folder::read(path.parent().unwrap_or(Path::new(".")))?;
+        let files = Names::new(&entries, &folder);
+        let mut photographs = Vec::with_capacity(entries.len());
+        for (i, entry) in entries.iter().enumerate() {
+            let at = || format!("line {}", entry.line);
+            let file = files.path(i, entry).map_err(|what| Error::parse(path, at(), what))?;
+            let zero = || {
+                Error::parse(path, at(), "the vector towards the light has no direction; correct its numbers")
+            };
+            photographs
+                .push(Photograph { path: file, light: Light::towards(entry.vector).ok_or_else(zero)? });
+        }
+        let lines: Vec<usize> = entries.iter().map(|entry| entry.line).collect();
+        check_unique(path, &lines, &photographs)?;
+        note_lengths(&entries, warnings);
+        Self {
+            photographs,
+            mask: folder.mask(),
+            lights: path.to_path_buf(),
+            layout: "lp",
+            files: vec![path.into()],
+        }
+        .checked(&folder, warnings)
+    }
+
+    fn of_diligent(
+        folder: &Folder,
+        [names, directions]: [PathBuf; 2],
+        intensities: Option<PathBuf>,
+        warnings: &mut Warnings,
+    ) -> Result<Self> {
+        let read = |path: PathBuf| text_of(&path).map(|text| Text { path, text });
+        let (names, directions) = (read(names)?, read(directions)?);
+        let intensities = intensities.map(read).transpose()?;
+        if intensities.is_none() {
+            warnings
+                .note(format!("{} is missing: all lights are assumed equally bright", diligent::FILES[2]), 1);
+        }
+        let lines = diligent::parse_diligent(&names, &directions, intensities.as_ref())?;
+        let mut photographs = Vec::with_capacity(lines.len());
+        for (line, name, light) in &lines {
+            let file = folder
+                .photograph(name)
+                .map_err(|what| Error::parse(&names.path, format!("line {line}"), what))?;
+            photographs.push(Photograph { path: file, light: *light });
+        }
+        let numbers: Vec<usize> = lines.iter().map(|(line, ..)| *line).collect();
+        check_unique(&names.path, &numbers, &photographs)?;
+        let files = [Some(&names), Some(&directions), intensities.as_ref()];
+        let files = files.into_iter().flatten().map(|file| file.path.clone()).collect();
+        Self { photographs, mask: folder.mask(), lights: directions.path.clone(), layout: "diligent", files }
+            .checked(folder, warnings)
+    }
+
+    fn checked(self, folder: &Folder, warnings: &mut Warnings) -> Result<Self> {
+        let lights: Vec<Light> = self.photographs.iter().map(|photograph| photograph.light).collect();
+        light::check(&lights, &self.lights.display().to_string())?;
+        self.photographs.iter().try_for_each(|photograph| check_format(&photograph.path))?;
+        let behind = lights.iter().filter(|light| light.direction.z <= 0.0).count();
+        warnings.note("a light comes from behind the object", behind);
+        let unlisted = folder.photographs().len().saturating_sub(self.photographs.len());
+        warnings.note("a photograph in the folder has no light", unlisted);
+        Ok(self)
+    }
+
+    /// Returns the lights, in the order of the photographs.
+    pub fn lights(&self) -> Vec<Light> {
+        self.photographs.iter().map(|photograph| photograph.light).collect()
+    }
+}
+
+fn text_of(path: &Path) -> Result<String> {
+    let bytes = read_bytes(path)?;
+    if bytes.len() > LONGEST {
+        return Err(Error::limit(
+            path.display().to_string(),
+            "at most 16 MiB of text; is it a file of lights?",
+        ));
+    }
+    if bytes.iter().take(1024).filter(|byte| **byte == 0).count() > 512 {
+        return Err(Error::parse(path, "byte 0", "not a text file; expected lines `NAME X Y Z`"));
+    }
+    Ok(decode_text(bytes))
+}
+
+/// The meaning of the names of an `.lp` file.
+struct Names<'a> {
+    folder: &'a Folder,
+    /// The number of the first photograph, if names are numbers in a series.
+    first: Option<u64>,
+}
+
+impl<'a> Names<'a> {
+    fn new(entries: &[Entry], folder: &'a Folder) -> Self {
+        let numbers: Option<Vec<u64>> = entries.iter().map(|entry| entry.name.parse().ok()).collect();
+        let first = numbers.and_then(|numbers| numbers.into_iter().min());
+        Self { folder, first: first.filter(|first| *first <= 1) }
+    }
+
+    /// Returns the photograph of entry `i`.
+    fn path(&self, i: usize, entry: &Entry) -> std::result::Result<PathBuf, String> {
+        let number = match (entry.name.is_empty(), self.first) {
+            (true, _) => i as u64,
+            (false, Some(first)) => match self.folder.photograph(&entry.name) {
+                Ok(path) => return Ok(path),
+                Err(_) => entry.name.parse::<u64>().unwrap_or(u64::MAX).saturating_sub(first),
+            },
+            (false, None) => return self.folder.photograph(&entry.name),
+        };
+        let count = self.folder.photographs().len();
+        let missing =
+            || format!("photograph {} of {count}: the folder has too few", number.saturating_add(1));
+        usize::try_from(number).ok().and_then(|i| self.folder.nth(i)).ok_or_else(missing)
+    }
+}
+
+/// Rejects a photograph that is listed twice.
+fn check_unique(file: &Path, lines: &[usize], photographs: &[Photograph]) -> Result<()> {
+    let mut first: HashMap<&Path, usize> = HashMap::new();
+    for (line, photograph) in lines.iter().zip(photographs) {
+        if let Some(other) = first.insert(&photograph.path, *line) {
+            let name = quote(&photograph.path.file_name().unwrap_or_default().to_string_lossy());
+            let what = format!("{name} is also the photograph of line {other}; list each once");
+            return Err(Error::parse(file, format!("line {line}"), what));
+        }
+    }
+    Ok(())
+}
+
+/// Notes vectors that seem to be positions of lamps.
+fn note_lengths(entries: &[Entry], warnings: &mut Warnings) {
+    let length = |entry: &Entry| entry.vector.iter().map(|v| v * v).sum::<f64>().sqrt();
+    let lengths = || entries.iter().map(length);
+    let (least, most) = lengths().fold((f64::INFINITY, 0.0), |(least, most), v| (v.min(least), v.max(most)));
+    if most > 1.05 * least {
+        warnings.note(
+            "the vectors of the lights differ in length, like positions of lamps: only their directions are used",
+            1,
+        );
+    }
+}

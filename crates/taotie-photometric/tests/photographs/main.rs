@@ -1,0 +1,8 @@
+//! The whole way from photographs to normals: accuracy on generated photographs, and files that are wrong.
+#![allow(clippy::print_stdout)]
+
+mod accuracy;
+mod malformed;
+mod plane;
+mod speed;
+mod studio;
