@@ -71,7 +71,8 @@ impl Output<'_> {
         let values = sigma.pixels().iter().map(|pixel| if pixel[3] > 0.0 { pixel[0] } else { f32::NAN });
         let field = Field::new(sigma.width(), sigma.height(), values.collect())?;
         let top = field.summary().map_or(1.0, |summary| summary.p95 as f32).max(1e-3);
-        let title = "uncertainty of the normals (68 %)";
+        // Narrow pictures have room for little.
+        let title = "sigma";
         let map = HeatMap { field: &field, title, unit: "°", map: ColorMap::Viridis, top }.with_scale();
         Ok(self.files.write_png(&self.args.path("sigma.png"), &map.png())?)
     }
