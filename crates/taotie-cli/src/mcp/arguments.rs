@@ -321,7 +321,8 @@ mod tests {
             ["scans/a.glb", "out/a.glb", "tables/t.csv"].map(|name| place.path().join(name));
         fs::create_dir(place.path().join("out")).unwrap();
         fs::write(&asset, "").unwrap();
-        let written = Written { folder: place.path().join("out"), named: vec![scan, asset.clone(), trials.clone()] };
+        let written =
+            Written { folder: place.path().join("out"), named: vec![scan, asset.clone(), trials.clone()] };
         assert_eq!(["a.glb", "t.csv"].map(|name| written.path(name)), [asset, trials]);
         assert_eq!(written.path("gone.png"), place.path().join("out/gone.png"));
     }

@@ -131,9 +131,8 @@ impl Target {
         let shader = pixel_shader(variant, language);
         let file = |end: &str, bytes: Vec<u8>| NamedFile::new(format!("{name}.{end}"), bytes);
         let text = || shader.text.clone().into_bytes();
-        let translated = || {
-            translation(self, &shader).with_context(|| format!("the shader `{name}` in {}", self.name()))
-        };
+        let translated =
+            || translation(self, &shader).with_context(|| format!("the shader `{name}` in {}", self.name()));
         let files = match self {
             Self::Wgsl => vec![file("wgsl", text())],
             Self::GlslEs => {
