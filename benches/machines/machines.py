@@ -39,10 +39,10 @@ def main():
     parser.add_argument("programs", nargs="+", metavar="NAME=COMMAND", help="programs, such as 'arm64=qemu-aarch64 taotie'")
     parser.add_argument("--data", default=os.environ.get("TAOTIE_DATA") or os.path.join(command.ROOT, "../shared/data"))
     parser.add_argument("--threads", nargs="+", type=int, default=[2], help="numbers of threads [default: 2]")
-    parser.add_argument("--models", type=int, metavar="TRIANGLES", help="instead of a few models, bake and draw all of up to so many triangles")
+    parser.add_argument("--models", type=int, metavar="TRIANGLES", help="instead of a few models, bake and draw all with at most this number of triangles")
     args = parser.parse_args()
     programs = [program.split("=", 1) for program in args.programs]
-    # Commands run in folders of their own.
+    # Commands run in temporary folders.
     programs = [(name, [os.path.abspath(word) if os.path.exists(word) else word for word in shlex.split(words)]) for name, words in programs]
     jobs = JOBS if args.models is None else all_models(programs[0][1], args)
     differing = [name for name, job in jobs.items() if differs(name, (args, programs), job)]

@@ -34,9 +34,9 @@ pub struct Written {
 impl Written {
     /// Returns the path of a file that the report lists by name.
     pub fn path(&self, name: &str) -> PathBuf {
-        let beside = self.folder.join(name);
+        let usual = self.folder.join(name);
         let elsewhere = || self.named.iter().find(|path| path.file_name() == Some(name.as_ref()));
-        if beside.is_file() { beside } else { elsewhere().cloned().unwrap_or(beside) }
+        if usual.is_file() { usual } else { elsewhere().cloned().unwrap_or(usual) }
     }
 }
 
@@ -315,7 +315,7 @@ mod tests {
     }
 
     #[test]
-    fn files_are_found_beside_the_output_or_where_the_line_names_them() {
+    fn files_are_found_next_to_the_output_or_where_the_line_names_them() {
         let place = tempfile::tempdir().unwrap();
         let [scan, asset, trials] =
             ["scans/a.glb", "out/a.glb", "tables/t.csv"].map(|name| place.path().join(name));
