@@ -11,9 +11,8 @@ use taotie_engine::progress::HAS_THREADS;
 #[derive(Args)]
 #[command(next_help_heading = "Running")]
 pub struct LimitArgs {
-    /// Maximum memory to use, such as 4G [default: the machine's free memory]
-    #[arg(long, value_name = "BYTES", value_parser = options::memory)]
-    pub memory_limit: Option<Bytes>,
+    #[command(flatten)]
+    pub memory: MemoryArgs,
     /// Also read files that a model references outside its own folder
     #[arg(long)]
     pub allow_outside: bool,
@@ -22,8 +21,23 @@ pub struct LimitArgs {
 impl LimitArgs {
     /// Returns the limits; memory defaults to what the machine has free.
     pub fn limits(&self) -> Limits {
-        let (memory, allow_outside) = (self.memory_limit, self.allow_outside);
-        Limits { memory, allow_outside, ..Limits::default() }.or_free()
+        Limits { allow_outside: self.allow_outside, ..self.memory.limits() }
+    }
+}
+
+/// Limits of commands whose files reference no others.
+#[derive(Args)]
+#[command(next_help_heading = "Running")]
+pub struct MemoryArgs {
+    /// Maximum memory to use, such as 4G [default: the machine's free memory]
+    #[arg(long, value_name = "BYTES", value_parser = options::memory)]
+    pub memory_limit: Option<Bytes>,
+}
+
+impl MemoryArgs {
+    /// Returns the limits; memory defaults to what the machine has free.
+    pub fn limits(&self) -> Limits {
+        Limits { memory: self.memory_limit, ..Limits::default() }.or_free()
     }
 }
 

@@ -2,13 +2,14 @@
 
 use crate::block::LANES;
 use crate::grid::Grid;
-use crate::indirect::{Indirect, quantile};
+use crate::indirect::{ASSUMED_ALBEDO, Indirect, quantile};
 use crate::residuals::{LightResiduals, PixelResiduals, Residuals};
 use crate::robust::{self, Fit, Robust, Scratch};
 use crate::samples::Samples;
 use crate::symmetric::Sym2;
 use crate::uncertainty::{RadiusTable, Sources, tangents};
 use std::sync::atomic::{AtomicUsize, Ordering};
+use taotie_engine::compare::Field;
 use taotie_engine::error::{Error, Result};
 use taotie_engine::image::Image;
 use taotie_engine::math::Vec3;
@@ -93,7 +94,7 @@ impl Estimate {
             Residuals { samples, grid: &grid, lights: robust.lights(), fits: &fits, inverse_reaches };
         let fitted: Vec<Vec3<f64>> = fits.iter().map(|fit| fit.robust).collect();
         let indirect = match robust.lights().len() < robust::FEWEST {
-            true => Indirect { direct: fitted.clone(), albedo: 0.0, shadows: 0 },
+            true => Indirect { direct: fitted.clone(), albedo: ASSUMED_ALBEDO, shadows: 0 },
             false => Indirect::remove(samples, &grid, &fitted, progress.begin("indirect light")?)?,
         };
         progress.begin("uncertainty")?;
@@ -149,6 +150,16 @@ impl Estimate {
             }
         }
         Image::from_pixels(self.width, self.height, pixels).expect("the size is that of the photographs")
+    }
+
+    /// Returns the uncertainty in degrees; NaN without a normal.
+    ///
+    /// # Errors
+    /// Those of [`Field::new`], none of which can occur.
+    pub fn sigma(&self) -> Result<Field> {
+        let image = self.image(|_, best| [best.sigma_deg; 3]);
+        let values = image.pixels().iter().map(|pixel| if pixel[3] > 0.0 { pixel[0] } else { f32::NAN });
+        Field::new(self.width, self.height, values.collect())
     }
 
     /// Returns the mean of a number over all pixels with an estimate.

@@ -16,6 +16,8 @@ pub struct Folder {
     path: PathBuf,
     /// File names, sorted as people number them: `a2` before `a10`.
     names: Vec<String>,
+    /// Those of photographs, in the same order: all images except masks and normal maps.
+    photographs: Vec<String>,
 }
 
 impl Folder {
@@ -34,7 +36,15 @@ impl Folder {
             }
         }
         names.sort_by(|a, b| natural_order(a, b).then_with(|| a.cmp(b)));
-        Ok(Self { path: path.to_path_buf(), names })
+        Ok(Self::of_names(path, names))
+    }
+
+    fn of_names(path: &Path, names: Vec<String>) -> Self {
+        let is_other = |name: &str| ["mask", "normal", "normals", "normal_gt"].contains(&stem(name).as_str());
+        let is_image = |extension: String| [&READ[..], &UNREAD[..]].concat().contains(&extension.as_str());
+        let is_photograph = |name: &&String| is_image(extension(name)) && !is_other(name);
+        let photographs = names.iter().filter(is_photograph).cloned().collect();
+        Self { path: path.to_path_buf(), names, photographs }
     }
 
     /// The names of files with one of these extensions, in any case.
@@ -43,13 +53,9 @@ impl Folder {
         self.names.iter().filter(has).map(String::as_str)
     }
 
-    /// The photographs, in order: all images except masks and normal maps.
-    pub fn photographs(&self) -> Vec<&str> {
-        let all: Vec<&str> = self.with_extension(&READ).chain(self.with_extension(&UNREAD)).collect();
-        let other = |name: &str| ["mask", "normal", "normals", "normal_gt"].contains(&stem(name).as_str());
-        let mut photographs: Vec<&str> = all.into_iter().filter(|name| !other(name)).collect();
-        photographs.sort_by(|a, b| natural_order(a, b));
-        photographs
+    /// The number of photographs.
+    pub fn count(&self) -> usize {
+        self.photographs.len()
     }
 
     /// The mask: an image named `mask`.
@@ -69,7 +75,6 @@ impl Folder {
     /// The reason, if there is no such photograph, or several.
     pub fn photograph(&self, name: &str) -> std::result::Result<PathBuf, String> {
         let base = name.rsplit(['/', '\\']).next().unwrap_or(name).trim();
-        let photographs = self.photographs();
         let lower = base.to_lowercase();
         let number = base.parse::<u64>().ok();
         let rules: [&dyn Fn(&str) -> bool; 4] = [
@@ -79,7 +84,8 @@ impl Folder {
             &|other| number.is_some() && stem(other).parse().ok() == number,
         ];
         for rule in rules {
-            let found: Vec<&str> = photographs.iter().copied().filter(|other| rule(other)).collect();
+            let found: Vec<&str> =
+                self.photographs.iter().map(String::as_str).filter(|other| rule(other)).collect();
             match found.as_slice() {
                 [] => {}
                 [one] => return Ok(self.path.join(one)),
@@ -94,14 +100,14 @@ impl Folder {
         Err(format!(
             "{} is not among the {} photographs of {}; correct the name or add the file",
             quote(base),
-            photographs.len(),
+            self.count(),
             self.path.display()
         ))
     }
 
     /// Returns the path of photograph `index`, counted from 0.
     pub fn nth(&self, index: usize) -> Option<PathBuf> {
-        self.photographs().get(index).map(|name| self.path.join(name))
+        self.photographs.get(index).map(|name| self.path.join(name))
     }
 }
 
@@ -176,7 +182,7 @@ mod tests {
     #[test]
     fn names_of_other_folders_cases_and_extensions_are_found() {
         let names = ["Coin 01.PNG", "coin 02.png", "0003.png", "mask.png", "x.jpg", "x.png", "notes.txt"];
-        let folder = Folder { path: PathBuf::from("p"), names: names.map(str::to_owned).to_vec() };
+        let folder = Folder::of_names(Path::new("p"), names.map(str::to_owned).to_vec());
         let found = |name: &str| folder.photograph(name).map(|path| path.to_string_lossy().into_owned());
         let first = Ok("p/Coin 01.PNG".to_owned());
         for name in ["Coin 01.PNG", "coin 01.png", "D:\\dome\\COIN 01.JPG", "/home/a/coin 01.tif", "coin 01"]

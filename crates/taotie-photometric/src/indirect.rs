@@ -23,7 +23,7 @@ const ROUNDS: usize = 2;
 /// Shadow samples below which the albedo is assumed.
 const FEWEST_SHADOWS: usize = 50;
 /// The albedo of bright pixels assumed without shadows.
-const ASSUMED_ALBEDO: f64 = 0.5;
+pub const ASSUMED_ALBEDO: f64 = 0.5;
 /// The quantile of |b| that counts as bright.
 const BRIGHT: f64 = 0.95;
 /// The fraction of the bright |b| below which a cell is background.
@@ -155,7 +155,7 @@ impl Coarse {
         });
         let in_sight = in_sight.collect();
         if direct.is_empty() {
-            return Light { in_sight, factor: 0.0, bright: 1.0, shadows: 0 };
+            return Light { in_sight, factor: ASSUMED_ALBEDO, bright: 1.0, shadows: 0 };
         }
         let lengths: Vec<f64> = direct.iter().map(|b| b.length()).collect();
         let typical = quantile(lengths.clone(), 0.5);

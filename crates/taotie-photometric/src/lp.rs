@@ -81,8 +81,8 @@ fn check_count(path: &Path, stated: Option<(usize, u64)>, found: usize) -> Resul
 
 /// Rejects a file in which only some lines have names.
 fn check_names(path: &Path, entries: &[Entry]) -> Result<()> {
-    let named = entries[0].name.is_empty();
-    match entries.iter().find(|entry| entry.name.is_empty() != named) {
+    let is_unnamed = entries[0].name.is_empty();
+    match entries.iter().find(|entry| entry.name.is_empty() != is_unnamed) {
         Some(other) => {
             let what = "some lines have a name and others do not; name all photographs or none";
             Err(Error::parse(path, format!("line {}", other.line), what))

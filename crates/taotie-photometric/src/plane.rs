@@ -1,7 +1,7 @@
 //! A rectangle with the estimated normals and albedo as textures, to be shown, rendered and compared.
 
 use crate::estimate::{Estimate, Estimator};
-use crate::indirect::quantile;
+use crate::indirect::{ASSUMED_ALBEDO, quantile};
 use taotie_engine::error::Result;
 use taotie_engine::image::{Bitmap, Encoding, Sampler, Texels, Texture, Wrap};
 use taotie_engine::math::srgb::srgb_from_linear;
@@ -11,9 +11,6 @@ use taotie_engine::scene::{
     AlphaMode, GreenChannel, Instance, Material, NormalMap, NormalSpace, Scene, SceneData, TextureRef,
     UvTransform,
 };
-
-/// The albedo of bright pixels if light between parts of the object does not show it.
-const ASSUMED_ALBEDO: f64 = 0.5;
 
 /// Photographs do not determine the roughness.
 const ROUGHNESS: f32 = 0.8;
@@ -26,13 +23,8 @@ impl Estimate {
     /// Those of [`Scene::new`], none of which can occur.
     pub fn plane(&self) -> Result<Scene> {
         let (width, height) = (self.width(), self.height());
-        let normals = self.normals(Estimator::Best);
-        let code = |v: f32| ((0.5 * v + 0.5) * 65_535.0 + 0.5) as u16;
-        let texel = |[x, y, z, has]: &[f32; 4]| match *has > 0.0 {
-            true => [code(*x), code(*y), code(*z), u16::MAX],
-            false => [32_768, 32_768, u16::MAX, u16::MAX],
-        };
-        let normals = Texels::U16(normals.pixels().iter().map(texel).collect());
+        let opaque = |[x, y, z, _]: [u16; 4]| [x, y, z, u16::MAX];
+        let normals = Texels::U16(self.normal_codes().into_iter().map(opaque).collect());
         let normals = Texture::new(Bitmap::new(width, height, 3, normals)?, Encoding::Normal);
         let colors = Texels::U8(self.base_colors());
         let colors = Texture::new(Bitmap::new(width, height, 4, colors)?, Encoding::Srgb);
@@ -58,6 +50,16 @@ impl Estimate {
             instances: vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }],
             ..SceneData::default()
         })
+    }
+
+    /// Returns the best normals as codes of 16 bits, (n + 1) / 2; transparent and towards the camera without one.
+    pub fn normal_codes(&self) -> Vec<[u16; 4]> {
+        let code = |v: f32| ((0.5 * v + 0.5) * 65_535.0 + 0.5) as u16;
+        let texel = |[x, y, z, has]: &[f32; 4]| match *has > 0.0 {
+            true => [code(*x), code(*y), code(*z), u16::MAX],
+            false => [32_768, 32_768, u16::MAX, 0],
+        };
+        self.normals(Estimator::Best).pixels().iter().map(texel).collect()
     }
 
     fn base_colors(&self) -> Vec<[u8; 4]> {

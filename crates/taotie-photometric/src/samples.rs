@@ -95,7 +95,7 @@ impl Samples {
         let first = &set.photographs[0].path;
         let bitmap = read_bitmap_within(first, &reading.limits)?;
         let shape = Shape::of(&bitmap);
-        let mask = match reading.mask.or(set.mask.as_deref()) {
+        let mask = match set.mask_or(reading.mask) {
             Some(path) => mask_pixels(path, shape, &reading.limits)?,
             None => (0..shape.width * shape.height).collect(),
         };

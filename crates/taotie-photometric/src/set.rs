@@ -143,9 +143,14 @@ impl PhotographSet {
         self.photographs.iter().try_for_each(|photograph| check_format(&photograph.path))?;
         let behind = lights.iter().filter(|light| light.direction.z <= 0.0).count();
         warnings.note("a light comes from behind the object", behind);
-        let unlisted = folder.photographs().len().saturating_sub(self.photographs.len());
+        let unlisted = folder.count().saturating_sub(self.photographs.len());
         warnings.note("a photograph in the folder has no light", unlisted);
         Ok(self)
+    }
+
+    /// Returns the mask that counts: the one given, otherwise that of the set.
+    pub fn mask_or<'a>(&'a self, given: Option<&'a Path>) -> Option<&'a Path> {
+        given.or(self.mask.as_deref())
     }
 
     /// Returns the lights, in the order of the photographs.
@@ -192,7 +197,7 @@ impl<'a> Names<'a> {
             },
             (false, None) => return self.folder.photograph(&entry.name),
         };
-        let count = self.folder.photographs().len();
+        let count = self.folder.count();
         let missing =
             || format!("photograph {} of {count}: the folder has too few", number.saturating_add(1));
         usize::try_from(number).ok().and_then(|i| self.folder.nth(i)).ok_or_else(missing)

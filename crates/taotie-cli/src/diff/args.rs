@@ -1,12 +1,11 @@
 //! The options of `taotie diff`.
 
 use crate::options;
-use crate::running::RunArgs;
+use crate::running::{MemoryArgs, RunArgs};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use taotie::comparison::diff::{self, DiffOptions, ImageContent, Metric};
-use taotie::{Bytes, Limits};
 use taotie_engine::Warnings;
 use taotie_engine::compare::{NormalEncoding, PIXELS_PER_DEGREE};
 use taotie_engine::math::Vec3;
@@ -63,9 +62,8 @@ pub struct DiffArgs {
     #[arg(long, value_name = "X", value_parser = options::number, requires = "heat", help_heading = "Heat map")]
     pub heat_top: Option<f64>,
 
-    /// Maximum memory to use, such as 4G [default: the machine's free memory]
-    #[arg(long, value_name = "BYTES", value_parser = options::memory, help_heading = "Running")]
-    pub memory_limit: Option<Bytes>,
+    #[command(flatten)]
+    pub memory: MemoryArgs,
     #[command(flatten)]
     pub run: RunArgs,
 }
@@ -95,11 +93,6 @@ impl From<Encoding> for diff::Encoding {
 }
 
 impl DiffArgs {
-    /// Returns the limits; memory defaults to what the machine has free.
-    pub fn limits(&self) -> Limits {
-        Limits { memory: self.memory_limit, ..Limits::default() }.or_free()
-    }
-
     /// Returns the options for the library.
     pub fn options(&self) -> DiffOptions {
         DiffOptions {

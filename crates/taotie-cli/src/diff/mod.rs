@@ -52,7 +52,7 @@ fn print(args: &DiffArgs, report: &Report) -> Result<()> {
 fn compare(args: &DiffArgs, set: &FileSet) -> Result<Report> {
     /// Memory of the program itself, bytes.
     const PROGRAM: u64 = 32 << 20;
-    let limits = args.limits();
+    let limits = args.memory.limits();
     let names = [&args.a, &args.b].map(|path| path.display().to_string());
     let first = taotie_io::read_bitmap_within(&args.a, &limits)?;
     let title = format!("{}: a comparison of {}x{} pixels", names[0], first.width(), first.height());

@@ -1,11 +1,10 @@
 //! The options of `taotie photometric`.
 
 use crate::options;
-use crate::running::RunArgs;
+use crate::running::{MemoryArgs, RunArgs};
 use anyhow::Result;
 use clap::Args;
-use std::path::{Path, PathBuf};
-use taotie::{Bytes, Limits};
+use std::path::PathBuf;
 use taotie_io::FileSet;
 use taotie_photometric::{PhotographSet, Transfer};
 
@@ -42,9 +41,8 @@ pub struct PhotometricArgs {
     #[arg(long, value_name = "FILE")]
     pub truth: Option<PathBuf>,
 
-    /// Maximum memory to use, such as 4G [default: the machine's free memory]
-    #[arg(long, value_name = "BYTES", value_parser = options::memory, help_heading = "Running")]
-    pub memory_limit: Option<Bytes>,
+    #[command(flatten)]
+    pub memory: MemoryArgs,
     #[command(flatten)]
     pub run: RunArgs,
 }
@@ -63,11 +61,6 @@ pub const OUTPUTS: [&str; 9] = [
 ];
 
 impl PhotometricArgs {
-    /// Returns the limits; memory defaults to what the machine has free.
-    pub fn limits(&self) -> Limits {
-        Limits { memory: self.memory_limit, ..Limits::default() }.or_free()
-    }
-
     /// Returns the path of an output.
     pub fn path(&self, name: &str) -> PathBuf {
         self.output.join(name)
@@ -80,10 +73,5 @@ impl PhotometricArgs {
         files.claim_folder(&self.output)?;
         OUTPUTS.iter().try_for_each(|name| files.claim(&self.path(name)))?;
         Ok(())
-    }
-
-    /// Returns the mask that is used.
-    pub fn mask_of<'a>(&'a self, set: &'a PhotographSet) -> Option<&'a Path> {
-        self.mask.as_deref().or(set.mask.as_deref())
     }
 }

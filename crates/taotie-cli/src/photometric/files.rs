@@ -3,7 +3,7 @@
 use super::PhotometricArgs;
 use anyhow::Result;
 use taotie_engine::Warnings;
-use taotie_engine::compare::{ColorMap, Field};
+use taotie_engine::compare::ColorMap;
 use taotie_engine::film::Development;
 use taotie_engine::image::{Encoding, Image};
 use taotie_engine::math::srgb::srgb_from_linear;
@@ -28,7 +28,7 @@ impl Output<'_> {
             [best.sigma_deg, larger, smaller]
         });
         self.write_floats("sigma.exr", &sigma)?;
-        self.write_sigma(&sigma)?;
+        self.write_sigma()?;
         self.write_floats("residual.exr", &self.estimate.image(|_, best| [best.residual; 3]))?;
         self.write_grey("albedo.png", &albedo_codes(self.estimate), Encoding::Srgb)?;
         let mut warnings = Warnings::default();
@@ -40,12 +40,12 @@ impl Output<'_> {
     fn write_normals(&self) -> Result<()> {
         let normals = self.estimate.normals(Estimator::Best);
         self.write_floats("normals.exr", &normals)?;
-        let codes: Vec<u16> = normals.pixels().iter().flat_map(|pixel| normal_codes(*pixel)).collect();
+        let codes = self.estimate.normal_codes();
         let image = PngImage {
             width: normals.width(),
             height: normals.height(),
             color: PngColor::Rgba,
-            samples: PngSamples::U16(&codes),
+            samples: PngSamples::U16(codes.as_flattened()),
             encoding: Encoding::Linear,
         };
         self.files.write_png(&self.args.path("normals.png"), &image)?;
@@ -67,21 +67,14 @@ impl Output<'_> {
     }
 
     /// Writes the uncertainty as colours; the last is for the 95th percentile.
-    fn write_sigma(&self, sigma: &Image) -> Result<()> {
-        let values = sigma.pixels().iter().map(|pixel| if pixel[3] > 0.0 { pixel[0] } else { f32::NAN });
-        let field = Field::new(sigma.width(), sigma.height(), values.collect())?;
+    fn write_sigma(&self) -> Result<()> {
+        let field = self.estimate.sigma()?;
         let top = field.summary().map_or(1.0, |summary| summary.p95 as f32).max(1e-3);
         // Narrow pictures have room for little.
         let title = "sigma";
         let map = HeatMap { field: &field, title, unit: "°", map: ColorMap::Viridis, top }.with_scale();
         Ok(self.files.write_png(&self.args.path("sigma.png"), &map.png())?)
     }
-}
-
-/// Returns a normal as codes of 16 bits; transparent without one.
-fn normal_codes([x, y, z, has]: [f32; 4]) -> [u16; 4] {
-    let code = |v: f32| ((0.5 * v + 0.5) * 65_535.0 + 0.5) as u16;
-    if has > 0.0 { [code(x), code(y), code(z), u16::MAX] } else { [32_768, 32_768, u16::MAX, 0] }
 }
 
 /// Returns the albedo in sRGB, relative to the 99th percentile.

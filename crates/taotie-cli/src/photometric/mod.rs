@@ -13,8 +13,9 @@ use files::Output;
 use report::{Errors, Report};
 use std::path::Path;
 use taotie::comparison::diff::guessed_encoding;
-use taotie_engine::compare::{NormalEncoding, angular_error, stored_normals};
+use taotie_engine::compare::{NormalEncoding, angle_deg, angular_error, stored_normals};
 use taotie_engine::image::Image;
+use taotie_engine::math::Vec3;
 use taotie_engine::{Progress, Warnings};
 use taotie_photometric::{Estimate, Estimator, PhotographSet, Reading, Samples};
 
@@ -36,7 +37,8 @@ fn estimate(args: &PhotometricArgs) -> Result<Report> {
     };
     let progress = Progress::new(&listener);
     let truth = args.truth.as_deref().map(|path| read_truth(args, path)).transpose()?;
-    let reading = Reading { mask: args.mask.as_deref(), transfer: args.encoding, limits: args.limits() };
+    let reading =
+        Reading { mask: args.mask.as_deref(), transfer: args.encoding, limits: args.memory.limits() };
     let samples = Samples::read(&set, &reading, progress.begin("read")?)?;
     warnings.note("a saturated sample is left out", samples.saturated());
     if let (Some(truth), Some(path)) = (&truth, &args.truth)
@@ -63,7 +65,7 @@ fn estimate(args: &PhotometricArgs) -> Result<Report> {
 
 /// Reads true normals.
 fn read_truth(args: &PhotometricArgs, path: &Path) -> Result<Image> {
-    let bitmap = taotie_io::read_bitmap_within(path, &args.limits())?;
+    let bitmap = taotie_io::read_bitmap_within(path, &args.memory.limits())?;
     let encoding = guessed_encoding(&bitmap)?.unwrap_or(NormalEncoding::Unit);
     Ok(stored_normals(&bitmap, encoding)?.normals)
 }
@@ -79,8 +81,8 @@ fn errors(estimate: &Estimate, truth: &Image) -> Result<Errors> {
     let within = estimate.pixels.iter().zip(&estimate.best).filter_map(|(pixel, best)| {
         let [x, y, z, has] = truth.pixels()[*pixel as usize];
         let best = best.as_ref().filter(|_| has > 0.0)?;
-        let truth = taotie_engine::math::Vec3::new(x, y, z).to_f64();
-        Some(taotie_engine::compare::angle_deg(best.normal, truth) <= best.sigma_deg)
+        let truth = Vec3::new(x, y, z).to_f64();
+        Some(angle_deg(best.normal, truth) <= best.sigma_deg)
     });
     let (inside, count) = within.fold((0, 0), |(inside, count), is| (inside + usize::from(is), count + 1));
     Ok(Errors {

@@ -7,7 +7,7 @@ use serde::Serialize;
 use std::fmt::Write;
 use taotie::Warning;
 use taotie::asset::StageTime;
-use taotie_engine::compare::{Field, Summary, angular_error};
+use taotie_engine::compare::{Summary, angular_error};
 use taotie_engine::names::Named;
 use taotie_photometric::{Estimate, Estimator, PhotographSet, Samples};
 use taotie_report::table::summary_text;
@@ -112,12 +112,12 @@ impl Report {
             output: args.output.display().to_string(),
             lights_from: set.lights.display().to_string(),
             layout: set.layout,
-            mask: args.mask_of(set).map(|path| path.display().to_string()),
+            mask: set.mask_or(args.mask.as_deref()).map(|path| path.display().to_string()),
             size: [samples.width, samples.height],
             bits: samples.bits,
             encoding: samples.transfer.name(),
             pixels: estimate.best.iter().flatten().count(),
-            sigma: sigma(estimate),
+            sigma: estimate.sigma().ok().and_then(|sigma| sigma.summary()),
             rejection: between(Estimator::LeastSquares, Estimator::Robust),
             indirect: between(Estimator::Robust, Estimator::Best),
             albedo: estimate.albedo,
@@ -192,10 +192,4 @@ impl Report {
         let _ = write!(text, "\nwrote {} to {}", OUTPUTS.join(", "), self.output);
         text
     }
-}
-
-fn sigma(estimate: &Estimate) -> Option<Summary> {
-    let image = estimate.image(|_, best| [best.sigma_deg; 3]);
-    let values = image.pixels().iter().map(|pixel| if pixel[3] > 0.0 { pixel[0] } else { f32::NAN });
-    Field::new(estimate.width(), estimate.height(), values.collect()).ok()?.summary()
 }
