@@ -6,7 +6,7 @@ use super::settings::{EnvironmentLight, Lighting, Shot};
 use super::tree::Casters;
 use crate::image::Image;
 use crate::math::Vec3;
-use crate::math::sequence::Sequence;
+use crate::math::integration::Sequence;
 use crate::parallel;
 use crate::pixel::{Incidence, LightSource, Turn};
 use crate::raster::{TILE_SIZE, Tile};

@@ -17,11 +17,11 @@ use crate::scene::{AlphaMode, Material};
 pub struct Frame {
     /// Linear radiance, premultiplied by coverage, which is the fourth channel.
     pub color: Image,
-    /// The surface data at the first sample of each pixel, if requested.
+    /// The surface data at the centre of each pixel, if requested.
     pub aovs: Option<Aovs>,
 }
 
-/// The surface data at the first sample of each pixel. The fourth channel is 1 if a surface is visible.
+/// The surface data at the centre of each pixel. The fourth channel is 1 if a surface is visible.
 #[derive(Debug, Clone)]
 pub struct Aovs {
     /// Unit shading normals, in world space, components in [-1, 1].

@@ -100,10 +100,15 @@ fn prepared_bytes(scene: &Scene, settings: &RenderSettings) -> u64 {
     const TREE: u64 = 49 + 32;
     /// A placed instance, and the text stored with its name.
     const INSTANCE: u64 = 1280;
-    let triangle = if settings.shadows || settings.ground { TRIANGLE + TREE } else { TRIANGLE };
+    /// Positions in the image and entries in tiles, of output variables too if they are drawn apart.
+    const APART: [u64; 2] = [32, 48];
+    let is_apart = settings.aovs && settings.samples != 1;
+    let [of_vertex, of_triangle] = if is_apart { APART } else { [0; 2] };
+    let tree = if settings.shadows || settings.ground { TREE } else { 0 };
+    let (vertex, triangle) = (VERTEX + of_vertex, TRIANGLE + tree + of_triangle);
     let placed = scene.instances().iter().map(|instance| {
         let mesh = &scene.meshes()[instance.mesh];
-        INSTANCE + mesh.positions().len() as u64 * VERTEX + mesh.triangles().len() as u64 * triangle
+        INSTANCE + mesh.positions().len() as u64 * vertex + mesh.triangles().len() as u64 * triangle
     });
     placed.sum()
 }

@@ -2,9 +2,9 @@
 
 use super::background::{Backdrop, Ground};
 use super::camera::CameraRays;
-use super::frame::{Frame, tiles_of};
+use super::frame::{Aovs, Frame, tiles_of};
 use super::prepare::{Parts, Prepared, Ready};
-use super::settings::{Shot, SurfaceSettings};
+use super::settings::{Lighting, RenderSettings, Shot, SurfaceSettings};
 use super::stages::{Stages, TileScratch};
 use super::visibility::Projected;
 use crate::error::{Error, Result};
@@ -24,6 +24,14 @@ pub fn render(scene: &Scene, shot: &Shot<'_>) -> Result<Frame> {
     Pass::with(FrameCache::default(), Ready { scene, parts: &parts }, shot)?.render(Progress::SILENT)
 }
 
+/// Returns the output variables of a shot, if it asks for them.
+pub(super) fn variables(ready: Ready<'_>, shot: &Shot<'_>) -> Result<Option<Aovs>> {
+    match shot.settings.aovs {
+        true => Ok(Pass::of_variables(ready, shot)?.render(Progress::SILENT)?.aovs),
+        false => Ok(None),
+    }
+}
+
 /// Tiles between two reports of progress.
 const TILES_AT_ONCE: usize = 256;
 
@@ -33,6 +41,9 @@ pub struct Pass<'p> {
     scratches: Mutex<Vec<TileScratch>>,
     ground: Option<Ground>,
     backdrop: Option<Backdrop>,
+    /// The pass for output variables, which are at the centre of each pixel; `None` if there are none, or if this
+    /// pass has its samples there.
+    variables: Option<Box<Self>>,
 }
 
 /// Memory that one image passes on to the next.
@@ -55,14 +66,27 @@ impl<'p> Pass<'p> {
     /// Like [`Self::new`], but reuses the memory of an earlier image.
     fn with(cache: FrameCache, ready: Ready<'p>, shot: &Shot<'_>) -> Result<Self> {
         let Shot { camera, lighting, settings } = shot;
-        let stages = Stages::new(ready, shot, cache.projected)?;
+        let is_apart = settings.aovs && settings.samples != 1;
+        let variables = is_apart.then(|| Self::of_variables(ready, shot).map(Box::new)).transpose()?;
+        let own = RenderSettings { aovs: settings.aovs && !is_apart, ..(*settings).clone() };
+        let stages = Stages::new(ready, &Shot { settings: &own, ..*shot }, cache.projected)?;
         let rays = CameraRays::new(camera, [settings.width, settings.height]);
         Ok(Self {
             scratches: Mutex::new(cache.scratches),
             ground: Ground::of(ready, shot, rays),
             backdrop: Backdrop::new(lighting.environment.as_ref(), rays),
             stages,
+            variables,
         })
+    }
+
+    /// Makes the pass for the output variables of a shot, which depend on no light.
+    fn of_variables(ready: Ready<'p>, shot: &Shot<'_>) -> Result<Self> {
+        let (samples, aovs) = (1, true);
+        let settings =
+            RenderSettings { samples, aovs, shadows: false, ground: false, ..shot.settings.clone() };
+        let shot = Shot { camera: shot.camera, lighting: &Lighting::default(), settings: &settings };
+        Self::with(FrameCache::default(), ready, &shot)
     }
 
     /// Draws all tiles.
@@ -72,6 +96,9 @@ impl<'p> Pass<'p> {
     pub fn render(&self, progress: Progress<'_>) -> Result<Frame> {
         let mut frame = Frame::new(self.stages.settings())?;
         self.draw(frame.tiles(), progress, |scratch, tile| tile.write(&scratch.resolve))?;
+        if let Some(variables) = &self.variables {
+            frame.aovs = variables.render(Progress::SILENT)?.aovs;
+        }
         Ok(frame)
     }
 

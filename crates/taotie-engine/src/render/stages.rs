@@ -124,12 +124,12 @@ impl<'p> Stages<'p> {
         let offsets = self.viewport.pattern.offsets();
         scratch.batch.begin(self.sources.len());
         scratch.resolve.begin(offsets.len(), self.settings.aovs);
-        for (sample, offset) in offsets.iter().enumerate() {
+        for offset in offsets {
             let at = TileSample { tile, offset: *offset };
             let TileScratch { plane, grouping, visible, .. } = scratch;
             visible.clear();
             self.find(at, plane, grouping, visible)?;
-            self.shade(at, sample == 0, scratch);
+            self.shade(at, scratch);
         }
         Ok(())
     }
@@ -166,8 +166,8 @@ impl<'p> Stages<'p> {
         Ok(())
     }
 
-    /// Runs stages 2 to 5 for all fragments of a sample; `first` is true for the first sample of its tile.
-    fn shade(&self, at: TileSample<'_>, first: bool, scratch: &mut TileScratch) {
+    /// Runs stages 2 to 5 for all fragments of a sample.
+    fn shade(&self, at: TileSample<'_>, scratch: &mut TileScratch) {
         let TileScratch { visible, batch, resolve, .. } = scratch;
         let layered = visible.last().is_some_and(|last| self.draws.of(last.triangle).layered());
         for (draw, visible) in self.runs(visible) {
@@ -180,9 +180,8 @@ impl<'p> Stages<'p> {
                 } else {
                     resolve.add_opaque(visible, batch);
                 }
-                if first {
-                    resolve.note_aovs(visible, material, batch, &self.view);
-                }
+                // Images with output variables have one sample per pixel.
+                resolve.note_aovs(visible, material, batch, &self.view);
             }
         }
         resolve.add_layers();

@@ -10,7 +10,7 @@ use super::{NormalMapping, ReferenceSettings};
 use crate::math::{Lane, Pack, Vec3, dispatch_eight};
 use crate::pixel::{Coat, Incidence, LightSource, Model, SurfacePoint, takes_albedos};
 use crate::scene::Material;
-use crate::shade::ndf::alpha_from_roughness;
+use crate::shade::microfacets::alpha_from_roughness;
 use crate::shade::sampling::{Lobes, ggx_visible_normal, ggx_visible_pdf, mirrored, raised, stretched};
 use crate::shade::{Facets, Shading, coat_fresnel};
 use fearless_simd::Level;

@@ -1,8 +1,8 @@
 //! An image by paths of light, tile by tile: starts the paths of a tile and sums their light.
 
-use super::super::batch::{Batch, get3};
 use super::super::frame::Frame;
 use super::super::prepare::Prepared;
+use super::super::renderer::variables;
 use super::super::settings::{RenderSettings, Shot};
 use super::ReferenceSettings;
 use super::tracer::Tracer;
@@ -10,7 +10,7 @@ use super::walk::{Path, PathScratch};
 use crate::error::Result;
 use crate::image::Image;
 use crate::math::Vec3;
-use crate::math::sequence::{Sequence, hash};
+use crate::math::integration::{Sequence, hash};
 use crate::parallel;
 use crate::progress::Progress;
 
@@ -19,8 +19,8 @@ use crate::progress::Progress;
 /// Of the shot's settings, the number of samples and `specular_aa` are ignored, since many paths average subpixel
 /// detail. Without shadows, lights shine through everything, as in the rasteriser; environment and surfaces always
 /// cast shadows. [`Lighting::ambient`](super::super::Lighting::ambient) is reflected at every surface. Cameras see
-/// single-sided surfaces from their front; light hits both sides of all. The frame's output variables show the first
-/// path of each pixel.
+/// single-sided surfaces from their front; light hits both sides of all. The frame's output variables are the
+/// rasteriser's.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`]; [`crate::Error::Invalid`] or [`crate::Error::Limit`] for an invalid size, camera or
@@ -34,7 +34,7 @@ pub fn reference(
     let ready = prepared.ready();
     let draws = ready.draws();
     let tracer = Tracer::new(ready, &draws, shot, paths)?;
-    let mut frame = Frame::new(shot.settings)?;
+    let mut frame = Frame::new(&RenderSettings { aovs: false, ..shot.settings.clone() })?;
     let tiles = tiles(shot.settings);
     // The number of paths between two reports does not affect pixels.
     let at_once = 8 * rayon::current_num_threads();
@@ -49,6 +49,7 @@ pub fn reference(
         done += part.len();
         progress.at(done as f64 / tiles.len() as f64)?;
     }
+    frame.aovs = variables(ready, shot)?;
     Ok(frame)
 }
 
@@ -70,8 +71,6 @@ struct ImageTile {
 /// A tile's pixels, row by row.
 struct TilePixels {
     color: Vec<[f32; 4]>,
-    /// Normals, depth, albedo, uv, triangle; empty if not requested.
-    aovs: [Vec<[f32; 4]>; 5],
 }
 
 /// The tiles of an image, row by row.
@@ -87,10 +86,6 @@ impl Tracer<'_> {
     /// Follows all paths of a tile, until `go_on` returns an error: many paths per pixel may take minutes.
     fn tile(&self, tile: &ImageTile, go_on: &dyn Fn() -> Result<()>) -> Result<TilePixels> {
         let pixels = (tile.width * tile.height) as usize;
-        let mut aovs: [Vec<[f32; 4]>; 5] = Default::default();
-        if self.settings.aovs {
-            aovs = std::array::from_fn(|_| vec![[0.0; 4]; pixels]);
-        }
         let mut sums = vec![[0.0f64; 4]; pixels];
         let mut work = PathScratch::new(self.sources.len());
         let spp = self.reference.spp;
@@ -98,12 +93,7 @@ impl Tracer<'_> {
             go_on()?;
             let indices = first..(first + TOGETHER).min(spp);
             let mut paths: Vec<Path> = indices.flat_map(|index| self.begin(tile, index)).collect();
-            self.walk(&mut paths, &mut work, &mut |path, batch, i, triangle| {
-                if self.settings.aovs && path.index == 0 {
-                    let seen = self.seen(batch, i, triangle);
-                    aovs.iter_mut().zip(seen).for_each(|(plane, value)| plane[path.pixel as usize] = value);
-                }
-            });
+            self.walk(&mut paths, &mut work);
             for path in &paths {
                 let sum = &mut sums[path.pixel as usize];
                 let [r, g, b] = path.light.to_array();
@@ -113,7 +103,7 @@ impl Tracer<'_> {
             }
         }
         let color = sums.iter().map(|sum| sum.map(|v| (v / f64::from(spp)) as f32)).collect();
-        Ok(TilePixels { color, aovs })
+        Ok(TilePixels { color })
     }
 
     /// Starts the path with index `index` of each pixel.
@@ -141,35 +131,12 @@ impl Tracer<'_> {
             }
         })
     }
-
-    /// The output variables of entry `i`, in the order of [`TilePixels::aovs`].
-    fn seen(&self, batch: &Batch, i: usize, triangle: u32) -> [[f32; 4]; 5] {
-        let with_one = |v: Vec3| [v.x, v.y, v.z, 1.0];
-        let depth = self.view.depth(get3(&batch.geometry.position, i));
-        let draw = self.draws.of(triangle);
-        let [r, g, b, _] = draw.material.base_color;
-        let [u, v] = batch.first_uv(i);
-        [
-            with_one(get3(&batch.frame.n, i)),
-            with_one(Vec3::splat(depth)),
-            with_one(get3(&batch.material.tint, i).mul_elements(Vec3::new(r, g, b))),
-            [u, v, 0.0, 1.0],
-            with_one(Vec3::splat(triangle as f32)),
-        ]
-    }
 }
 
 impl TilePixels {
     /// Writes its pixels to the frame.
     fn store(&self, tile: &ImageTile, frame: &mut Frame) {
         copy(&mut frame.color, tile, &self.color);
-        if let Some(aovs) = &mut frame.aovs {
-            let images =
-                [&mut aovs.normals, &mut aovs.depth, &mut aovs.albedo, &mut aovs.uv, &mut aovs.triangle];
-            for (image, pixels) in images.into_iter().zip(&self.aovs) {
-                copy(image, tile, pixels);
-            }
-        }
     }
 }
 

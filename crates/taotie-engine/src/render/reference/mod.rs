@@ -20,7 +20,7 @@ mod walk;
 pub use image::reference;
 
 use crate::error::{Error, Result};
-use crate::math::sequence::Sequence;
+use crate::math::integration::Sequence;
 use crate::names::Named;
 
 /// Settings of the path tracer: the number of paths and their length.

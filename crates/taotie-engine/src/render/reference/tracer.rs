@@ -9,7 +9,7 @@ use super::super::tree::{Footprint, SceneTree};
 use super::ReferenceSettings;
 use crate::error::Result;
 use crate::math::Vec3;
-use crate::math::sequence::{hash, unit};
+use crate::math::integration::{hash, unit};
 use crate::pixel::{LightSource, Turn};
 use crate::scene::AlphaMode;
 use crate::shade::environment::EnvironmentSample;

@@ -9,7 +9,7 @@ use super::EnvironmentSampling;
 use super::bsdf::{BsdfBatch, BsdfQuery, evaluate, is_grooved};
 use super::tracer::{Intersection, Tracer};
 use crate::math::Vec3;
-use crate::math::sequence::{Sequence, hash};
+use crate::math::integration::{Sequence, hash};
 use crate::shade::environment::EnvironmentSample;
 use crate::shade::sampling::power_heuristic;
 use crate::trace::Ray;
@@ -88,13 +88,9 @@ impl Stop<'_> {
     }
 }
 
-/// A sink of output variables that receives the camera's hits: the path, the batch with its normals, the entry, and
-/// the triangle's index.
-pub(super) type AovSink<'w> = dyn FnMut(&Path, &Batch, usize, u32) + 'w;
-
 impl Tracer<'_> {
     /// Follows all paths to their ends.
-    pub(super) fn walk(&self, paths: &mut [Path], work: &mut PathScratch, sink: &mut AovSink<'_>) {
+    pub(super) fn walk(&self, paths: &mut [Path], work: &mut PathScratch) {
         work.alive.clear();
         work.alive.extend(0..paths.len() as u32);
         let mut depth = 0;
@@ -105,7 +101,7 @@ impl Tracer<'_> {
             for same_draw in intersections.chunk_by(|(_, a), (_, b)| a.draw == b.draw) {
                 let draw = &self.draws.all[same_draw[0].1.draw as usize];
                 for intersections in same_draw.chunks(BATCH) {
-                    self.meet(&Stop { depth, draw, intersections }, paths, work, sink);
+                    self.meet(&Stop { depth, draw, intersections }, paths, work);
                 }
             }
             work.intersections = intersections;
@@ -153,7 +149,7 @@ impl Tracer<'_> {
     }
 
     /// Gathers light at the hits of one draw, and continues the paths.
-    fn meet(&self, stop: &Stop<'_>, paths: &mut [Path], work: &mut PathScratch, sink: &mut AovSink<'_>) {
+    fn meet(&self, stop: &Stop<'_>, paths: &mut [Path], work: &mut PathScratch) {
         if self.is_last(stop) && !stop.draw.shines() {
             return;
         }
@@ -161,11 +157,7 @@ impl Tracer<'_> {
         self.gather(stop, paths, work);
         self.complete(stop, paths, work);
         if stop.depth == 0 {
-            for (i, (index, intersection)) in stop.intersections.iter().enumerate() {
-                let path = &mut paths[*index as usize];
-                path.coverage = 1.0;
-                sink(path, &work.batch, i, intersection.triangle);
-            }
+            stop.intersections.iter().for_each(|(index, _)| paths[*index as usize].coverage = 1.0);
         }
         if stop.draw.material.unlit {
             show_color(stop, paths, work);
