@@ -13,11 +13,11 @@ use taotie_engine::names::Named;
 use taotie_engine::pixel::{MaterialPoint, MaterialUniforms, MaterialValues};
 use taotie_engine::shade::fresnel::{f_conductor, f_dielectric, f_f82, f_schlick, f_schlick_f90, f82_drop};
 use taotie_engine::shade::lights::{inverse_square, range_window, spot_cone};
-use taotie_engine::shade::masking::{
-    g_v_cavity, g1_schlick_ggx, k_for_environment, k_for_lights, v_schlick_ggx, v_smith_ggx,
-};
-use taotie_engine::shade::ndf::{
+use taotie_engine::shade::microfacets::{
     alpha_from_roughness, alpha_from_shininess, d_beckmann, d_blinn, d_ggx, shininess_from_alpha,
+};
+use taotie_engine::shade::microfacets::{
+    g_v_cavity, g1_schlick_ggx, k_for_environment, k_for_lights, v_schlick_ggx, v_smith_ggx,
 };
 use taotie_engine::shade::sheen::{d_charlie, v_neubelt};
 use taotie_engine::shade::{Angles, Shading, coat_fresnel, reflect, specular_occlusion};

@@ -10,10 +10,10 @@ use crate::recorder::{Recorded, Scope, record};
 use taotie_engine::names::Named;
 use taotie_engine::shade::fresnel::{f_conductor, f_dielectric, f_f82, pow5};
 use taotie_engine::shade::lights::{inverse_square, range_window, spot_cone};
-use taotie_engine::shade::masking::{g_v_cavity, g1_schlick_ggx, k_for_lights, v_smith_ggx};
-use taotie_engine::shade::ndf::{
+use taotie_engine::shade::microfacets::{
     alpha_from_roughness, alpha_squared_from_divergence_ggx, d_beckmann, d_ggx, divergence_ggx,
 };
+use taotie_engine::shade::microfacets::{g_v_cavity, g1_schlick_ggx, k_for_lights, v_smith_ggx};
 use taotie_engine::shade::sampling::mirrored;
 use taotie_engine::shade::sheen::{d_charlie, v_neubelt};
 use taotie_engine::shade::{

@@ -12,7 +12,7 @@ use taotie_engine::math::{Lane, Mask, Vec3};
 /// recordings, nor outlive their own: that does not compile.
 ///
 /// ```
-/// use taotie_engine::shade::ndf::d_ggx;
+/// use taotie_engine::shade::microfacets::d_ggx;
 /// use taotie_shader::record;
 ///
 /// let graph = record(|scope| {

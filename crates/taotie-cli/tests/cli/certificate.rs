@@ -7,7 +7,7 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 use taotie_engine::Warnings;
 use taotie_engine::image::{Bitmap, Encoding, Sampler, Texels, Texture};
-use taotie_engine::math::sequence;
+use taotie_engine::math::integration;
 use taotie_engine::mesh::Mesh;
 use taotie_engine::scene::{Material, Scene, TextureRef, UvTransform};
 use taotie_io::{GltfFormat, ImageCodec, encode_scene_as};
@@ -238,7 +238,7 @@ fn a_scan_elsewhere_is_refused_as_a_bake_does() {
 fn noisy_ball() -> Vec<u8> {
     const SIDE: u32 = 1536;
     let texel = |i: u32| {
-        let [r, g, b, _] = sequence::hash(7, i).to_le_bytes();
+        let [r, g, b, _] = integration::hash(7, i).to_le_bytes();
         [r, g, b, 255]
     };
     let texels = Texels::U8((0..SIDE * SIDE).map(texel).collect());

@@ -1,5 +1,6 @@
 //! Numbers, vectors, matrices and frames, each formula written once over the number type [`Lane`].
 
+mod curve;
 mod lane;
 mod mat;
 mod number;
@@ -7,11 +8,11 @@ mod pack;
 mod simd;
 mod vec;
 
+pub mod integration;
 pub mod poly;
-pub mod quadrature;
-pub mod sequence;
 pub mod srgb;
 
+pub use curve::Curve;
 pub use lane::{Lane, Mask};
 pub use mat::Mat4;
 pub use number::{Dual, Number};

@@ -214,7 +214,7 @@ packed_lane!(f32x16, i32x16, mask32x16);
 ///
 /// ```
 /// use taotie_engine::math::Dual;
-/// use taotie_engine::shade::ndf::d_ggx;
+/// use taotie_engine::shade::microfacets::d_ggx;
 ///
 /// let alpha = Dual::<f64, 1>::variable(0.25, 0);
 /// let [n_dot_h, sin2_h] = [1.0, 0.0].map(Dual::constant);

@@ -2,7 +2,7 @@
 
 use super::Mesh;
 use crate::error::{Error, Result};
-use crate::math::{Vec2, Vec3, sequence::Sequence};
+use crate::math::{Vec2, Vec3, integration::Sequence};
 use crate::parallel;
 use std::ops::{Add, Mul};
 

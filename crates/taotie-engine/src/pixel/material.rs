@@ -4,7 +4,7 @@
 use crate::math::{Lane, Vec3, scalar};
 use crate::scene::{Anisotropy, Material};
 use crate::shade::dfg::Dfg;
-use crate::shade::{self, MaterialSample, Shading, fresnel, ndf};
+use crate::shade::{self, MaterialSample, Shading, fresnel, microfacets};
 
 /// The smallest α from which shininess and slope are derived.
 const LEAST_ALPHA: f64 = 0.02;
@@ -250,10 +250,11 @@ fn classic_widths<L: Lane>(uniforms: &MaterialUniforms<L>, values: &MaterialValu
     let slope = uniforms.slope.map_or(alpha, widened);
     let shininess = match uniforms.shininess {
         Some(authored) => {
-            let wide = ndf::shininess_from_alpha(widened(ndf::alpha_from_shininess(authored)));
+            let wide =
+                microfacets::shininess_from_alpha(widened(microfacets::alpha_from_shininess(authored)));
             L::select(variance.lit(0.0).lt(variance), wide, authored)
         }
-        None => ndf::shininess_from_alpha(alpha),
+        None => microfacets::shininess_from_alpha(alpha),
     };
     (slope, shininess)
 }
@@ -280,7 +281,7 @@ pub fn lobe_roughness<L: Lane>(
             slope.sqrt().min(slope.lit(1.0))
         }
         (Shading::Ggx | Shading::GgxPrinted | Shading::Lambert, _) | (_, None) => values.roughness,
-        (_, Some(shininess)) => ndf::alpha_from_shininess(shininess).sqrt(),
+        (_, Some(shininess)) => microfacets::alpha_from_shininess(shininess).sqrt(),
     }
 }
 

@@ -7,7 +7,7 @@ use crate::bake::{LookupPoint, Retextured, sphere_directions};
 use crate::compare::{angle_deg, color_difference};
 use crate::error::Result;
 use crate::image::{Encoding, Texture};
-use crate::math::{Vec3, scalar, sequence::Sequence};
+use crate::math::{Vec3, integration::Sequence, scalar};
 use crate::parallel;
 use crate::trace::Ray;
 

@@ -167,7 +167,7 @@ fn sorted(values: &[f32]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::sequence::{hash, unit};
+    use crate::math::integration::{hash, unit};
 
     #[test]
     fn intervals_hold_the_truth_as_often_as_they_claim() {

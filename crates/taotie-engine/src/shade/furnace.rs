@@ -4,7 +4,7 @@
 //! angle. An albedo above one creates light; below, the model loses the light that it does not follow.
 
 use super::{Angles, MaterialSample, Shading, reflect};
-use crate::math::quadrature::nodes;
+use crate::math::integration::nodes;
 use crate::math::{Vec3, scalar};
 use std::f64::consts::PI;
 

@@ -3,8 +3,8 @@
 
 use super::Angles;
 use super::fresnel::pow5;
-use super::masking::v_smith_ggx;
-use super::ndf::{alpha_from_roughness, d_ggx};
+use super::microfacets::v_smith_ggx;
+use super::microfacets::{alpha_from_roughness, d_ggx};
 use crate::math::{Lane, Vec3};
 use std::f64::consts::{FRAC_1_PI, PI};
 

@@ -14,8 +14,7 @@ pub mod dfg;
 pub mod environment;
 pub mod fresnel;
 pub mod furnace;
-pub mod masking;
-pub mod ndf;
+pub mod microfacets;
 pub mod sampling;
 
 pub(crate) use layers::COAT_F0;

@@ -7,8 +7,8 @@
 
 use super::dfg::Dfg;
 use super::fresnel::{f_f82, pow5};
-use super::masking::{g_v_cavity, g1_schlick_ggx, k_for_lights, v_smith_ggx};
-use super::ndf::{MIN_ALPHA, alpha_from_roughness, d_beckmann, d_ggx};
+use super::microfacets::{MIN_ALPHA, alpha_from_roughness, d_beckmann, d_ggx};
+use super::microfacets::{g_v_cavity, g1_schlick_ggx, k_for_lights, v_smith_ggx};
 use super::{Angles, AnisotropicLobe};
 use crate::math::{Lane, Vec3};
 use crate::names::Named;

@@ -1,7 +1,7 @@
 //! Relief that a mesh does not have: a mapped normal as two facets, the microfacet interpretation of normal maps, and
 //! relief within a pixel as roughness.
 
-use super::ndf::{MIN_ALPHA, alpha_squared_from_divergence_ggx, divergence_ggx};
+use super::microfacets::{MIN_ALPHA, alpha_squared_from_divergence_ggx, divergence_ggx};
 use crate::math::{Lane, Vec3};
 
 /// The minimum cosine between the two normals: a steeper map is turned back, so that the upright facet stays finite.

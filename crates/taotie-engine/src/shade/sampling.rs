@@ -3,7 +3,7 @@
 //! Directions are in a local space with the shading normal along +z. A density is per steradian and belongs to the
 //! function with the same name; `u` are numbers in [0, 1), uniformly distributed.
 
-use super::ndf::{MIN_ALPHA, alpha_from_roughness, alpha_from_shininess};
+use super::microfacets::{MIN_ALPHA, alpha_from_roughness, alpha_from_shininess};
 use super::{MIN_N_DOT_V, MaterialSample, Shading, fresnel};
 use crate::math::{Lane, Mask, Vec3};
 use std::f64::consts::{FRAC_1_PI, PI};

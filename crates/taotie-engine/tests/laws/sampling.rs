@@ -2,12 +2,12 @@
 
 use crate::random::Random;
 use std::f64::consts::{PI, TAU};
-use taotie_engine::math::quadrature::nodes;
+use taotie_engine::math::integration::nodes;
 use taotie_engine::math::{Vec3, scalar};
 use taotie_engine::names::Named;
 use taotie_engine::shade::furnace::{Furnace, over_hemisphere};
-use taotie_engine::shade::masking::v_smith_ggx;
-use taotie_engine::shade::ndf::{MIN_ALPHA, d_ggx};
+use taotie_engine::shade::microfacets::v_smith_ggx;
+use taotie_engine::shade::microfacets::{MIN_ALPHA, d_ggx};
 use taotie_engine::shade::sampling::{
     Lobes, cosine_direction, cosine_pdf, ggx_visible_normal, ggx_visible_pdf, mirrored, uniform_direction,
 };

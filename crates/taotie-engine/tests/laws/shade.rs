@@ -1,17 +1,17 @@
 //! The laws of reflectance, and the models that break them.
 
 use std::f64::consts::{LN_2, PI};
-use taotie_engine::math::quadrature::integrate;
+use taotie_engine::math::integration::integrate;
 use taotie_engine::math::{Vec3, scalar};
 use taotie_engine::names::Named;
 use taotie_engine::shade::fresnel::{f_conductor, f_dielectric, f_f82, f_schlick, f_schlick_f90, f82_drop};
 use taotie_engine::shade::furnace::{Furnace, over_hemisphere, polar_ends};
 use taotie_engine::shade::lights::{inverse_square, range_window, spot_cone};
-use taotie_engine::shade::masking::{
-    g_v_cavity, g1_schlick_ggx, k_for_environment, k_for_lights, v_schlick_ggx, v_smith_ggx,
-};
-use taotie_engine::shade::ndf::{
+use taotie_engine::shade::microfacets::{
     MIN_ALPHA, alpha_from_roughness, alpha_from_shininess, d_beckmann, d_blinn, d_ggx, shininess_from_alpha,
+};
+use taotie_engine::shade::microfacets::{
+    g_v_cavity, g1_schlick_ggx, k_for_environment, k_for_lights, v_schlick_ggx, v_smith_ggx,
 };
 use taotie_engine::shade::{Angles, MaterialSample, Shading, reflect};
 

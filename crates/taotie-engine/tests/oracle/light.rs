@@ -5,7 +5,7 @@ use serde_json::Value;
 use taotie_engine::image::{Bitmap, Encoding, Texels, Texture};
 use taotie_engine::math::Vec3;
 use taotie_engine::shade::dfg::{self, Dfg, integrate};
-use taotie_engine::shade::ndf::{alpha_squared_from_divergence_ggx, divergence_ggx};
+use taotie_engine::shade::microfacets::{alpha_squared_from_divergence_ggx, divergence_ggx};
 use taotie_engine::shade::sheen::{d_charlie, v_neubelt};
 use taotie_engine::shade::{Angles, AnisotropicLobe, coat_lobe, compensation, specular_occlusion};
 

@@ -7,11 +7,11 @@ use taotie_engine::names::Named;
 use taotie_engine::scene::preset;
 use taotie_engine::shade::fresnel::{f_conductor, f_dielectric, f_f82, f_schlick, f_schlick_f90, f82_drop};
 use taotie_engine::shade::lights::{inverse_square, range_window, spot_cone};
-use taotie_engine::shade::masking::{
-    g_v_cavity, k_for_environment, k_for_lights, v_schlick_ggx, v_smith_ggx,
-};
-use taotie_engine::shade::ndf::{
+use taotie_engine::shade::microfacets::{
     alpha_from_roughness, alpha_from_shininess, d_beckmann, d_blinn, d_ggx, shininess_from_alpha,
+};
+use taotie_engine::shade::microfacets::{
+    g_v_cavity, k_for_environment, k_for_lights, v_schlick_ggx, v_smith_ggx,
 };
 use taotie_engine::shade::{Angles, MaterialSample, Shading, reflect};
 

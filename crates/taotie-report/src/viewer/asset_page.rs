@@ -187,7 +187,7 @@ mod tests {
     fn textures_are_as_large_as_their_bytes_allow() {
         let mut scene = Scene::of_mesh(Mesh::sphere(1.0, 8, 4), Material::default()).unwrap();
         assert_eq!(fitting_side(&scene, 0), MOST_TEXTURE_SIDE, "there are no textures");
-        let noise = (0..512u32 * 512).map(|i| taotie_engine::math::sequence::hash(7, i).to_le_bytes());
+        let noise = (0..512u32 * 512).map(|i| taotie_engine::math::integration::hash(7, i).to_le_bytes());
         let bitmap = Bitmap::new(512, 512, 3, Texels::U8(noise.collect())).unwrap();
         scene.add_texture(Texture::new(bitmap, Encoding::Linear));
         let sides = [2_000_000, 400_000, 90_000, 0].map(|most| fitting_side(&scene, most));

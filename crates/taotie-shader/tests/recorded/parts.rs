@@ -8,7 +8,7 @@ use taotie_engine::names::Named;
 use taotie_engine::shade::sampling::mirrored;
 use taotie_engine::shade::{
     Angles, Compensation, Shading, SubPixelVariance, coat_fresnel, coat_lobe, compensation,
-    curvature_variance, environment_weights, fresnel, lights, masking, ndf, reflect, sheen,
+    curvature_variance, environment_weights, fresnel, lights, microfacets, reflect, sheen,
     specular_occlusion,
 };
 use taotie_shader::{Formula, Graph, Kind, Program, evaluate, library};
@@ -67,19 +67,19 @@ fn structured<L: Lane>(name: &str, x: &mut Inputs<'_, L>) -> Option<Vec<L>> {
 fn number<L: Lane>(name: &str, x: &mut Inputs<'_, L>) -> L {
     match name {
         "pow5" => fresnel::pow5(x.number()),
-        "alpha_from_roughness" => ndf::alpha_from_roughness(x.number()),
-        "masking_v_cavity" => masking::g_v_cavity(x.number(), x.number(), x.number(), x.number()),
-        "visibility_smith_ggx" => masking::v_smith_ggx(x.number(), x.number(), x.number()),
-        "masking_schlick" => masking::g1_schlick_ggx(x.number(), x.number()),
-        "masking_k_for_lights" => masking::k_for_lights(x.number()),
-        "distribution_beckmann" => ndf::d_beckmann(x.number(), x.number(), x.number()),
-        "distribution_ggx" => ndf::d_ggx(x.number(), x.number(), x.number()),
+        "alpha_from_roughness" => microfacets::alpha_from_roughness(x.number()),
+        "masking_v_cavity" => microfacets::g_v_cavity(x.number(), x.number(), x.number(), x.number()),
+        "visibility_smith_ggx" => microfacets::v_smith_ggx(x.number(), x.number(), x.number()),
+        "masking_schlick" => microfacets::g1_schlick_ggx(x.number(), x.number()),
+        "masking_k_for_lights" => microfacets::k_for_lights(x.number()),
+        "distribution_beckmann" => microfacets::d_beckmann(x.number(), x.number(), x.number()),
+        "distribution_ggx" => microfacets::d_ggx(x.number(), x.number(), x.number()),
         "coat_fresnel" => coat_fresnel(x.number()),
         "distribution_charlie" => sheen::d_charlie(x.number(), x.number()),
         "visibility_neubelt" => sheen::v_neubelt(x.number(), x.number()),
         "specular_occlusion" => specular_occlusion(x.number(), x.number(), x.number()),
-        "divergence_ggx" => ndf::divergence_ggx(x.number()),
-        "alpha_squared_from_divergence_ggx" => ndf::alpha_squared_from_divergence_ggx(x.number()),
+        "divergence_ggx" => microfacets::divergence_ggx(x.number()),
+        "alpha_squared_from_divergence_ggx" => microfacets::alpha_squared_from_divergence_ggx(x.number()),
         "inverse_square" => lights::inverse_square(x.number()),
         "range_window" => lights::range_window(x.number(), x.number()),
         "spot_cone" => lights::spot_cone(x.number(), x.number(), x.number()),

@@ -1,7 +1,7 @@
 //! The content of recordings, and their inputs.
 
 use taotie_engine::math::{Dual, Lane};
-use taotie_engine::shade::ndf::{d_beckmann, d_ggx};
+use taotie_engine::shade::microfacets::{d_beckmann, d_ggx};
 use taotie_shader::{EvaluateError, Kind, Program, evaluate, library, record};
 
 #[test]

@@ -7,7 +7,7 @@ use crate::pairs::{
 };
 use taotie::asset::{BakeOptions, Baker, Lod, Scan};
 use taotie_engine::Progress;
-use taotie_engine::math::{Vec3, sequence};
+use taotie_engine::math::{Vec3, integration};
 use taotie_engine::mesh::MeshData;
 use taotie_engine::scene::{Material, Scene, SceneData};
 
@@ -64,7 +64,7 @@ fn a_normal_map_that_is_blurred() {
 fn a_normal_map_with_noise() {
     has_wrong_normals(&with_map(|all, side, place| {
         let [r, g, b, a] = at(all, side, place);
-        let noise = sequence::hash(place[0], place[1]).to_le_bytes();
+        let noise = integration::hash(place[0], place[1]).to_le_bytes();
         let [x, y] = [0, 1].map(|k| (i32::from(noise[k]) % 41 - 20) as i8);
         [r.saturating_add_signed(x), g.saturating_add_signed(y), b, a]
     }));

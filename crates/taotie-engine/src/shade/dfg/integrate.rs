@@ -4,8 +4,8 @@ use crate::math::{Lane, Vec3, scalar};
 use crate::shade::Angles;
 use crate::shade::fresnel::{lazanyi, pow5};
 use crate::shade::furnace::{over_hemisphere, over_part};
-use crate::shade::masking::{g_v_cavity, v_smith_ggx};
-use crate::shade::ndf::{MIN_ALPHA, d_beckmann, d_ggx};
+use crate::shade::microfacets::{MIN_ALPHA, d_beckmann, d_ggx};
+use crate::shade::microfacets::{g_v_cavity, v_smith_ggx};
 use crate::shade::sheen::{d_charlie, v_neubelt};
 use std::f64::consts::{FRAC_1_PI, PI};
 

@@ -1,9 +1,9 @@
 //! Candidates whose relief is only in their vertex normals.
 
-use super::curve::Curve;
 use super::workshop::{AIM, Best, Candidate, Draft, Shape, Workshop, angle_of, is_hit, uv_bits};
 use crate::asset::bake::Trial;
 use taotie_engine::error::Result;
+use taotie_engine::math::Curve;
 use taotie_engine::progress::Progress;
 use taotie_io::VertexBits;
 

@@ -394,7 +394,8 @@ impl<'a> LevelMaker<'a> {
         };
         let mesh = on_uvs(&low.mesh, count, progress)?;
         let (origin, material) = (low.origin.clone(), low.material.clone());
-        let level = LowPoly { mesh, origin, material, kept: KeptTextures::default(), own: None };
+        let level =
+            LowPoly { mesh, origin, material, kept: KeptTextures::default(), own: None, groups: None };
         let options = BakeOptions { maps: vec![MapKind::Normal], ..self.recipe.options.clone() };
         let rays = match self.recipe.rays {
             Rays::Uniform(distance) => Rays::Uniform(*distance),

@@ -1,10 +1,10 @@
 //! Candidates with a normal map: their bytes and errors are forecast from a few measured meshes and map sizes.
 
-use super::curve::Curve;
 use super::encodings::{Encodings, NORMAL_RATIOS};
 use super::workshop::{AIM, Best, Candidate, Draft, Shape, Workshop, is_hit, under_map};
 use taotie_engine::error::Result;
 use taotie_engine::image::Encoding;
+use taotie_engine::math::Curve;
 use taotie_engine::math::scalar::{exp, ln};
 use taotie_engine::progress::Progress;
 use taotie_engine::proof::{Relook, Side};

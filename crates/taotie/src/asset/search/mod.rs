@@ -4,7 +4,6 @@
 //! separately, and together they give an estimate of the smallest candidate; that is made, read back and measured.
 
 mod bare;
-mod curve;
 mod encodings;
 mod goal;
 mod levels;

@@ -1,13 +1,13 @@
 //! Candidates that are the scan itself, packed: with its nodes, materials, uvs, skins and animations, fewer
 //! triangles, and smaller or lossy textures.
 
-use super::curve::Curve;
 use super::encodings::{EncodedTexture, Encodings, NORMAL_RATIOS};
 use super::workshop::{AIM, Best, Candidate, Workshop, angle_of, is_hit, uv_bits};
 use crate::asset::bake::Trial;
 use crate::asset::source::Scan;
 use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::image::Encoding;
+use taotie_engine::math::Curve;
 use taotie_engine::parallel;
 use taotie_engine::progress::Progress;
 use taotie_engine::proof::{Relook, Shown};

@@ -2,7 +2,7 @@
 //!
 //! Lobes are functions of q = 1 − cos γ, γ being the angle from the centre, so that dq is solid angle divided by 2π.
 
-use crate::math::{quadrature, scalar};
+use crate::math::{integration, scalar};
 use std::f64::consts::LN_2;
 
 /// Legendre coefficients of a lobe, from degree 0: its factors of the harmonics of an image.
@@ -46,7 +46,7 @@ impl Ggx {
         }
         ends.push(1.0);
         let mut sums = vec![0.0; degree + 1];
-        for (q, weight) in quadrature::nodes_of(rule, &ends) {
+        for (q, weight) in integration::nodes_of(rule, &ends) {
             let weight = weight * self.value(q);
             legendre(1.0 - q, &mut sums, |sum, p| *sum += weight * p);
         }
@@ -128,12 +128,12 @@ mod tests {
     fn integral(f: impl FnMut(f64) -> f64) -> f64 {
         let mut ends = vec![0.0];
         ends.extend((0..28).map(|k| 2.0 / f64::from(1u32 << (27 - k))));
-        quadrature::integrate(40, &ends, f)
+        integration::integrate(40, &ends, f)
     }
 
     #[test]
     fn the_lobe_is_that_of_ggx() {
-        use crate::shade::ndf::d_ggx;
+        use crate::shade::microfacets::d_ggx;
         for (alpha, q) in [(0.04, 0.001), (0.04, 0.3), (0.5, 0.7), (1.0, 0.2)] {
             let half = |q: f64| (1.0 - q / 2.0).sqrt();
             let by_definition = |q: f64| d_ggx(half(q), q / 2.0, alpha) / 4.0 * (1.0 - q);
@@ -157,7 +157,7 @@ mod tests {
             }
         }
         // The clamped cosine: Ramamoorthi and Hanrahan 2001, eq. 8, over π.
-        let cosine = Ggx::new(1.0).coefficients(4, &quadrature::gauss_legendre(64));
+        let cosine = Ggx::new(1.0).coefficients(4, &integration::gauss_legendre(64));
         for (found, truth) in cosine.iter().zip([1.0, 2.0 / 3.0, 0.25, 0.0, -1.0 / 24.0]) {
             assert!((found - truth).abs() < 1e-12, "{found} {truth}");
         }

@@ -13,7 +13,7 @@ mod rings;
 
 use super::equirect::{Equirect, uv_of_lanes};
 use super::levels::{Levels, Octahedron, RoughnessLevel, alphas, direction_of, middle};
-use crate::math::{MOST_LANES, Pack, SimdLevel, dispatch_pack, dispatch_registers, quadrature};
+use crate::math::{MOST_LANES, Pack, SimdLevel, dispatch_pack, dispatch_registers, integration};
 use crate::parallel;
 use blur::Blurring;
 use fearless_simd::{Level, Simd};
@@ -124,7 +124,7 @@ impl<'a> Scales<'a> {
         let rings = &blurred[reference].rings;
         let grids = [rings.width, rings.width / 2].map(|width| Grid::new(width, DEGREE));
         let harmonics = Harmonics::new(rings, blurring.areas(rings), &grids[0]);
-        let rule = quadrature::gauss_legendre(64);
+        let rule = integration::gauss_legendre(64);
         Self { picture, widths, blurred, harmonics, reference, grids, rule }
     }
 

@@ -1,11 +1,11 @@
 //! A measured curve between positive numbers, such as the error over the number of triangles.
 
-use taotie_engine::math::scalar::{exp, ln};
+use super::scalar::{exp, ln};
 
 /// Points of a curve, interpolated linearly in logarithms. Beyond the first and the last point it is extrapolated
 /// from the nearest segment.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct Curve {
+pub struct Curve {
     /// Logarithms, in ascending order of the first number.
     points: Vec<[f64; 2]>,
 }
