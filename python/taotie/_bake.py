@@ -190,6 +190,7 @@ class Asset:
         codecs: Codecs = "portable",
         provenance: PathLike | None = None,
         green: Literal["up", "down"] = "up",
+        channels: Sequence[str] = (),
         progress: Progress = None,
     ) -> Written:
         """Write the asset.
@@ -211,6 +212,9 @@ class Asset:
             XMP metadata (JSON-LD) to add to that of the scan.
         green : {"up", "down"}
             Direction of green in maps for other programs.
+        channels : sequence of str
+            Further textures that pack maps into their channels: ``"orm"``, ``"unreal"``, ``"unity-mask"``, or a list
+            such as ``"dirt:R=ao,G=curvature,B=1-height"``.
 
         Returns
         -------
@@ -227,6 +231,7 @@ class Asset:
             "codecs": codecs,
             "provenance": None if provenance is None else os.fspath(provenance),
             "green": green,
+            "channels": list(channels),
         }
         with running(progress, None) as run:
             native = self._native.write({"path": os.fspath(path), "packing": packing}, run)
@@ -306,6 +311,7 @@ def bake(
     roughness: float | None = None,
     ray_distance: float | Literal["auto"] = "auto",
     cage: Any = None,
+    match: Literal["by-name", "nearest"] = "by-name",
     crease_angle: float | None = None,
     scan_green: Literal["auto", "up", "down"] = "auto",
     unit: Unit | None = None,
@@ -366,6 +372,9 @@ def bake(
         Length of the projection rays, model units; auto measures the gap between the meshes.
     cage : path, Model, or a mesh of another package, optional
         The low-poly mesh with its vertices moved outward.
+    match : {"by-name", "nearest"}
+        Which objects of the scan an object of the low-poly mesh shows. By name, ``X_low`` shows only ``X_high``, if
+        such names exist.
     crease_angle : float, optional
         As in `load`; defaults to the value that the scan was loaded with.
     scan_green : {"auto", "up", "down"}
@@ -415,6 +424,8 @@ def bake(
     cage_file, cage_mesh = _source(cage)
     if cage is not None and ray_distance != "auto":
         raise invalid("cage", "it defines how far rays reach; omit ray_distance")
+    if match not in ("by-name", "nearest"):
+        raise invalid(f"match {match!r}", "expected one of: by-name, nearest")
     options = {
         "low": low_file,
         "triangles": 50_000 if triangles is None else triangles,
@@ -433,6 +444,7 @@ def bake(
         "ao_rays": ao_rays,
         "ao_distance": ao_distance,
         "roughness": roughness,
+        "by_name": match == "by-name",
         "ray_distance": _distance(ray_distance, cage_file),
         "inspect": True,
     }

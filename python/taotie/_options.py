@@ -46,6 +46,13 @@ Map: TypeAlias = Literal[
     "emission",
     "alpha",
     "occlusion",
+    "position",
+    "world-normal",
+    "thickness",
+    "vertex-color",
+    "material-id",
+    "object-id",
+    "wireframe",
 ]
 #: The default background of images.
 BACKGROUND = "#2a2b2e"
@@ -143,7 +150,7 @@ class RenderOptions(RendererOptions, TurntableOptions, total=False):
     Parameters
     ----------
     aov : sequence of str
-        Additional output variables: normals, depth, albedo, uv, triangle, position; at the first sample of each pixel.
+        Additional output variables: normals, depth, albedo, uv, triangle, position; at the centre of each pixel.
         They need ``linear=True``.
     shading : str, default "ggx"
         Reflectance model: lambert, phong, blinn-phong, blinn-phong-classic, cook-torrance, ggx, or as printed.

@@ -29,6 +29,8 @@ pub struct Loaded {
     /// Names of `scene.meshes`, in the same order; shorter if the file has no names. A mesh of an OBJ file has the
     /// names of the objects, or else groups, of its faces.
     pub mesh_names: Vec<String>,
+    /// Names of `scene.instances`, in the same order: those of nodes, else of meshes; shorter if the file has no names.
+    pub object_names: Vec<String>,
     /// Files or names of `scene.textures`, in the same order.
     pub texture_names: Vec<String>,
     /// Further files that the model was read from, including those that could not be parsed.

@@ -6,8 +6,8 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use taotie::asset::{
-    Asset, BakeOptions, Baker, Figure, Lod, MapPresence, MeshSource, Packing, Proof, RayDistance, Report,
-    Requirement, Scan, ScanFile, SeparateMap, VerifyOptions, WrittenAsset,
+    Asset, BakeOptions, Baker, Figure, Lod, MeshSource, Packing, Proof, RayDistance, Report, Requirement,
+    Scan, ScanFile, SeparateMap, VerifyOptions, WrittenAsset,
 };
 use taotie::{Bytes, Limits};
 use taotie_engine::bake::MapKind;
@@ -580,8 +580,8 @@ fn maps_are_available_without_files() {
     let options =
         BakeOptions { maps: vec![MapKind::Normal, MapKind::Occlusion, MapKind::Height], ..options() };
     let asset = Baker::new(options).bake(small(), Progress::SILENT).unwrap();
-    let MapPresence { occlusion, roughness, .. } = asset.textures().has;
-    assert!(occlusion && !roughness, "the scan has no roughness");
+    let inside: Vec<MapKind> = asset.textures().inside().map(|(map, _)| map).collect();
+    assert_eq!(inside, [MapKind::Normal, MapKind::Occlusion], "the scan has no roughness");
     let [height]: &[SeparateMap; 1] = asset.textures().separate.as_slice().try_into().unwrap();
     let range = height.range.unwrap();
     assert!(height.map == MapKind::Height && range.white > range.black, "{range:?}");

@@ -4,9 +4,9 @@ use crate::options::{self, fraction, positive};
 use crate::proof_args::{ProofArgs, ScanArgs};
 use crate::running::{LimitArgs, RunArgs};
 use crate::studio::{Green, Space};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use std::path::PathBuf;
-use taotie::asset::{Lod, Preset, Requirement};
+use taotie::asset::{Channels, Lod, Preset, Requirement};
 use taotie_engine::Error;
 use taotie_engine::bake::MapKind;
 use taotie_engine::names::Named;
@@ -86,7 +86,8 @@ pub struct BakeArgs {
     pub size: Option<[u32; 2]>,
     /// Maps to bake, separated by commas: auto (normal, and all that varies in the scan's materials), normal, ao
     /// (ambient occlusion), albedo (base colour), height, bent (bent normals), curvature, roughness (widened by fine
-    /// relief), metallic-roughness, emission, alpha, occlusion (the scan's own texture)
+    /// relief), metallic-roughness, emission, alpha, occlusion (the scan's own texture), position, world-normal,
+    /// thickness, vertex-color, material-id, object-id, wireframe (the low-poly mesh's edges)
     #[arg(long, value_name = "auto|MAP,...", value_delimiter = ',', default_value = "auto", value_parser = map, help_heading = "Maps")]
     pub maps: Vec<Auto<MapKind>>,
     /// Space of the normal map. glTF has only tangent space, so an object-space map is written next to the asset
@@ -96,6 +97,10 @@ pub struct BakeArgs {
     /// OUT.bent.png and to standalone maps. The asset's own normal map always points up, as glTF requires
     #[arg(long, value_enum, default_value_t = Green::Up, help_heading = "Maps")]
     pub green: Green,
+    /// Another texture next to the asset that packs maps into its channels: orm, unreal, unity-mask, or a list such as
+    /// dirt:R=ao,G=curvature,B=1-height. May be repeated
+    #[arg(long, value_name = "RECIPE|[NAME:]R=MAP,...", help_heading = "Maps")]
+    pub channels: Vec<Channels>,
     /// Samples per texel
     #[arg(long, value_name = "K", default_value = "4", value_parser = ["1", "4", "9", "16", "25", "36", "49", "64"], help_heading = "Maps")]
     pub samples: String,
@@ -105,7 +110,7 @@ pub struct BakeArgs {
     /// Padding around UV islands, 0 to 16384 texels; auto fills the whole map
     #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = dilation, help_heading = "Maps")]
     pub dilation: Auto<u32>,
-    /// Rays per texel over the hemisphere, for ao and bent [default: 64]
+    /// Rays per texel over the hemisphere, for ao, bent and thickness [default: 64]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096), help_heading = "Maps")]
     pub ao_rays: Option<u32>,
     /// Maximum distance at which the scan occludes, for ao and bent, model units [default: unlimited]
@@ -118,6 +123,10 @@ pub struct BakeArgs {
     /// Length of the projection rays, model units; auto measures the gap between the meshes
     #[arg(long, value_name = "auto|X", default_value = "auto", value_parser = distance, help_heading = "Rays", conflicts_with = "cage")]
     pub ray_distance: Auto<f64>,
+    /// Which objects of the scan an object of the low-poly mesh shows. by-name: X_low shows only X_high, in glTF by node
+    /// and in OBJ by object, if such names exist; nearest ignores names
+    #[arg(long = "match", value_enum, default_value_t = Match::ByName, requires = "low", help_heading = "Rays")]
+    pub matching: Match,
     /// The low-poly mesh with its vertices moved outward, where projection rays start
     #[arg(long, value_name = "FILE", requires = "low", help_heading = "Rays")]
     pub cage: Option<PathBuf>,
@@ -152,6 +161,15 @@ pub struct BakeArgs {
     pub limits: LimitArgs,
     #[command(flatten)]
     pub run: RunArgs,
+}
+
+/// How objects of the low-poly mesh find those of the scan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Match {
+    /// By their names, if these match.
+    ByName,
+    /// By distance.
+    Nearest,
 }
 
 /// A value, or the program's choice.

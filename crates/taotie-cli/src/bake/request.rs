@@ -1,7 +1,7 @@
 //! The request that the options of a bake make: which options work together, the bake and the packing, and the target
 //! of a search, unless triangles, size or packing are given.
 
-use super::args::{Auto, BakeArgs, Images};
+use super::args::{Auto, BakeArgs, Images, Match};
 use crate::studio::{Green, Space};
 use anyhow::{Result, bail};
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use taotie::asset::{
     BakeOptions, Baker, Figure, Lod, Looking, MeshSource, Packing, Preset, RayDistance, Requirement,
     VerifyOptions,
 };
-use taotie_engine::bake::MapKind;
+use taotie_engine::bake::{MapContent, MapKind};
 use taotie_engine::names::Named;
 use taotie_io::{CodecKind, CodecSet, FileSet, TextureCodecs};
 
@@ -54,6 +54,7 @@ impl BakeArgs {
             bail!("--green down: no normal or bent map is baked in tangent space; bake one, or leave it out");
         }
         self.check_unread()?;
+        self.check_channels()?;
         self.proof.signature().check()?;
         self.options().check()?;
         Ok(self.packing().check()?)
@@ -98,9 +99,8 @@ impl BakeArgs {
 
     /// Rejects 16-bit maps in an 8-bit file format.
     fn check_depth(&self) -> Result<()> {
-        let deep = [MapKind::Height, MapKind::Curvature];
         let maps = self.maps();
-        match maps.iter().find(|map| deep.contains(map)) {
+        match maps.iter().find(|map| map.content() == MapContent::Length) {
             _ if self.has_extension("exr") && self.bits.is_some() => {
                 bail!("--bits: an .exr stores floats; leave it out, or write a .png")
             }
@@ -115,10 +115,12 @@ impl BakeArgs {
     fn check_unread(&self) -> Result<()> {
         let (maps, carries) = (self.maps(), self.carries());
         let bakes = |map: MapKind| maps.contains(&map);
-        let of_sky = [("--ao-rays", self.ao_rays.is_some()), ("--ao-distance", self.ao_distance.is_some())];
         let sky = bakes(MapKind::Occlusion) || bakes(MapKind::Bent);
-        if let Some((option, _)) = of_sky.iter().find(|(_, given)| *given && !sky) {
-            bail!("{option}: neither ao nor bent is baked; add one of them to --maps");
+        if self.ao_rays.is_some() && !sky && !bakes(MapKind::Thickness) {
+            bail!("--ao-rays: none of ao, bent and thickness is baked; add one of them to --maps");
+        }
+        if self.ao_distance.is_some() && !sky {
+            bail!("--ao-distance: neither ao nor bent is baked; add one of them to --maps");
         }
         let has_texture = self.low.is_some() || carries || maps.iter().any(|map| self.is_inside(*map));
         if self.images != Images::Auto && !has_texture {
@@ -131,6 +133,22 @@ impl BakeArgs {
         let kind = self.formats().normals.kind();
         if self.bits() == 16 && kind != CodecKind::Png && bakes(MapKind::Normal) && !separate {
             bail!("--bits 16: {kind} stores 8 bits; write PNG, or use 8");
+        }
+        Ok(())
+    }
+
+    /// Rejects packed textures of maps that are not baked, or of the same file.
+    fn check_channels(&self) -> Result<()> {
+        for (i, channels) in self.channels.iter().enumerate() {
+            if let Err(why) = channels.check(&self.maps(), self.carries()) {
+                bail!("--channels: {why}");
+            }
+            if self.channels[..i].iter().any(|other| other.name() == channels.name()) {
+                let name = channels.name();
+                bail!(
+                    "--channels: two textures named {name}; give each a name, as in NAME:R=ao,G=height,B=0"
+                );
+            }
         }
         Ok(())
     }
@@ -157,7 +175,7 @@ impl BakeArgs {
     fn is_inside(&self, map: MapKind) -> bool {
         match map {
             MapKind::Normal => self.space == Space::Tangent,
-            other => !matches!(other, MapKind::Height | MapKind::Curvature | MapKind::Bent),
+            other => !other.is_separate(),
         }
     }
 
@@ -233,6 +251,7 @@ impl BakeArgs {
             ao_rays: self.ao_rays.unwrap_or(BakeOptions::default().ao_rays),
             ao_distance: self.ao_distance,
             roughness: self.roughness,
+            by_name: self.matching == Match::ByName,
             ray_distance: self.ray_distance(),
             inspect: !self.no_verify,
             ..BakeOptions::default()
@@ -261,7 +280,7 @@ impl BakeArgs {
 
     /// Returns true if normal or bent maps are baked, the only ones with a choice of bits.
     fn bakes_normals(&self) -> bool {
-        self.maps().iter().any(|map| matches!(map, MapKind::Normal | MapKind::Bent))
+        self.maps().iter().any(|map| map.content() == MapContent::Direction)
     }
 
     fn ray_distance(&self) -> RayDistance {
@@ -280,6 +299,7 @@ impl BakeArgs {
             codecs: if self.searches() { CodecSet::default() } else { self.codecs },
             provenance: self.provenance.clone(),
             green: self.green.into(),
+            channels: self.channels.clone(),
             ..Packing::default()
         }
     }

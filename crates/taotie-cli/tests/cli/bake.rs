@@ -16,13 +16,13 @@ fn pair() -> Place {
 }
 
 /// The JSON of a GLB.
-fn document(place: &Place, name: &str) -> Value {
+pub fn document(place: &Place, name: &str) -> Value {
     let bytes = place.read(name);
     let length = u32::from_le_bytes(bytes[12..16].try_into().expect("four bytes")) as usize;
     serde_json::from_slice(&bytes[20..20 + length]).expect("it is JSON")
 }
 
-fn number(value: &Value, path: &str) -> f64 {
+pub fn number(value: &Value, path: &str) -> f64 {
     value.pointer(path).and_then(Value::as_f64).unwrap_or_else(|| panic!("{path} in {value}"))
 }
 

@@ -9,6 +9,7 @@ mod bake;
 mod bake_carried;
 mod bake_document;
 mod bake_document_materials;
+mod bake_maps;
 mod bake_page;
 mod bake_pairs;
 mod bake_scan;

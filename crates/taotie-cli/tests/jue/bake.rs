@@ -2,7 +2,7 @@
 
 use taotie_engine::Progress;
 use taotie_engine::bake::{
-    BakeInput, BakeSettings, Cage, Scan, SimplifyOptions, TexturedMesh, UnwrapOptions, Verifier, bake,
+    BakeInput, BakeSettings, Cage, Plane, Scan, SimplifyOptions, TexturedMesh, UnwrapOptions, Verifier, bake,
     simplify, unwrap,
 };
 use taotie_engine::image::{Encoding, Texture};
@@ -37,7 +37,7 @@ fn a_million_triangles_on_two_thousand_show_the_relief_that_the_formulas_say() {
     let baked =
         bake(BakeInput { low: &low, cage: &cage, scan: &scanned }, &settings, Progress::SILENT).unwrap();
     let storage = Storage { bits: 8, dither: true };
-    let bitmap = store_unit_vectors(baked.maps.size(), &baked.maps.normal, storage).unwrap();
+    let bitmap = store_unit_vectors(baked.maps.size(), baked.maps.vectors(Plane::Normal), storage).unwrap();
     let texture = Texture::new(bitmap, Encoding::Normal);
 
     let texture_0 = TextureRef {

@@ -121,6 +121,11 @@ impl Appearance {
         self.part(triangle).material
     }
 
+    /// Returns the index of a triangle's part.
+    pub fn object_number(&self, triangle: u32) -> usize {
+        self.parts.partition_point(|part| part.triangle <= triangle) - 1
+    }
+
     /// Returns the factors of the first part's material, used if nothing is found.
     pub fn first_factors(&self) -> MaterialSample {
         let neutral = Material::default();
@@ -196,8 +201,7 @@ impl Appearance {
     }
 
     fn part(&self, triangle: u32) -> &Part {
-        let part = self.parts.partition_point(|part| part.triangle <= triangle);
-        &self.parts[part - 1]
+        &self.parts[self.object_number(triangle)]
     }
 
     fn texture<'a>(&'a self, mesh: &'a Mesh, used: &'a TextureRef) -> TextureOnMesh<'a> {

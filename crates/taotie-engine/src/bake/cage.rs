@@ -3,11 +3,12 @@
 use super::projection::{Correspondence, ProjectionRay};
 use super::scan::Scan;
 use crate::error::{Error, Result};
-use crate::math::{Vec3, sequence};
+use crate::math::{Vec3, integration};
 use crate::mesh::{Mesh, Point, blend, each, triangle_weights};
 use crate::parallel;
 use crate::surface;
 use crate::trace::Bvh;
+use std::sync::Arc;
 
 /// The search direction for the scan at each vertex of a low-poly mesh, and the ray distance.
 ///
@@ -21,6 +22,23 @@ pub struct Cage {
     distances: Vec<f32>,
     /// The longest of these.
     longest: f32,
+    /// Which objects of the scan each triangle shows; `None` for all.
+    groups: Option<Arc<CageGroups>>,
+}
+
+/// The objects of a scan that each triangle of a low-poly mesh shows.
+#[derive(Debug, Clone)]
+pub struct CageGroups {
+    /// The group of each triangle.
+    pub of_triangle: Vec<usize>,
+    /// A flag per object of the scan for each group: `true` if it belongs to it.
+    pub objects: Vec<Vec<bool>>,
+}
+
+impl CageGroups {
+    fn objects(&self, triangle: u32) -> Option<&[bool]> {
+        Some(&self.objects[*self.of_triangle.get(triangle as usize)?])
+    }
 }
 
 /// The ray distance as a multiple of the measured gap.
@@ -42,15 +60,26 @@ const FALLBACK: f32 = 4.0;
 impl Cage {
     fn new(directions: Vec<Vec3>, distances: Vec<f32>) -> Self {
         let longest = distances.iter().fold(0.0, |most: f32, v| most.max(*v));
-        Self { directions, distances, longest }
+        Self { directions, distances, longest, groups: None }
+    }
+
+    /// Makes each triangle show only the objects of its group.
+    #[must_use]
+    pub fn with_groups(self, groups: Option<Arc<CageGroups>>) -> Self {
+        Self { groups, ..self }
     }
 
     /// Finds the distances: from points all over each triangle, searches for the scan along the directions and for
     /// its closest point; each vertex gets twice the largest gap of the triangles around it.
     pub fn automatic(low: &Mesh, scan: &Scan) -> Self {
+        Self::automatic_in(low, scan, None)
+    }
+
+    /// The same for a mesh whose triangles show only the objects of their groups.
+    pub fn automatic_in(low: &Mesh, scan: &Scan, groups: Option<Arc<CageGroups>>) -> Self {
         let directions = directions(low);
         let diagonal = low.diagonal();
-        let search = GapSearch { low, directions: &directions, scan, diagonal };
+        let search = GapSearch { low, directions: &directions, scan, diagonal, groups: groups.as_deref() };
         let gaps = parallel::collect(low.triangles().len(), |t| search.largest(t));
         let mut distances = vec![(diagonal * LEAST) as f32; directions.len()];
         for (triangle, gap) in low.triangles().iter().zip(gaps) {
@@ -59,7 +88,7 @@ impl Cage {
             }
         }
         surface::shared_by_position(low, &mut distances);
-        Self::new(directions, distances)
+        Self::new(directions, distances).with_groups(groups)
     }
 
     /// Makes a cage with the same ray distance everywhere, both ways.
@@ -109,20 +138,21 @@ impl Cage {
 
     /// Returns the projection ray through a point of the low-poly mesh.
     #[inline]
-    pub fn projection_ray(&self, low: &Mesh, point: Point) -> ProjectionRay {
+    pub fn projection_ray(&self, low: &Mesh, point: Point) -> ProjectionRay<'_> {
         let vertices = point.vertices(low);
         let directions = each(vertices, |v| self.directions[v]);
         ProjectionRay {
             point: point.position(low),
             direction: blend(directions, point.weights).normalize_or(directions[0]),
             distance: blend(each(vertices, |v| self.distances[v]), point.weights),
+            objects: self.groups.as_ref().and_then(|groups| groups.objects(point.triangle)),
         }
     }
 
     /// Returns the correspondence of a projection ray that hit nothing: the closest point of the scan, if it faces
     /// the same way.
-    pub(super) fn fallback(&self, scan: &Scan, projection: &ProjectionRay) -> Option<Correspondence> {
-        scan.closest(projection.point, projection.direction, self.longest * FALLBACK)
+    pub(super) fn fallback(&self, scan: &Scan, projection: &ProjectionRay<'_>) -> Option<Correspondence> {
+        scan.closest(projection, self.longest * FALLBACK)
     }
 
     /// Returns the cage for a copy of its mesh whose vertices are reordered, fewer or slightly displaced: each takes
@@ -137,7 +167,17 @@ impl Cage {
         // A mesh without triangles has no line to follow.
         let lines = parallel::collect(copy.positions().len(), |v| at(v).unwrap_or_default());
         let (directions, distances) = lines.into_iter().unzip();
-        Self::new(directions, distances)
+        let group = |groups: &CageGroups, t: usize| {
+            let center = blend(copy.corners(t), [1.0 / 3.0; 3]);
+            surface.closest(center, f32::INFINITY).map_or(0, |closest| {
+                groups.of_triangle.get(closest.triangle as usize).copied().unwrap_or_default()
+            })
+        };
+        let groups = self.groups.as_ref().map(|groups| {
+            let of_triangle = parallel::collect(copy.triangles().len(), |t| group(groups, t));
+            Arc::new(CageGroups { of_triangle, objects: groups.objects.clone() })
+        });
+        Self::new(directions, distances).with_groups(groups)
     }
 }
 
@@ -187,6 +227,7 @@ struct GapSearch<'a> {
     scan: &'a Scan,
     /// Of the mesh, model units.
     diagonal: f64,
+    groups: Option<&'a CageGroups>,
 }
 
 impl GapSearch<'_> {
@@ -195,7 +236,7 @@ impl GapSearch<'_> {
         /// Approximate number of points examined over the whole mesh.
         const POINTS: usize = 60_000;
         let count = (POINTS / self.low.triangles().len()).clamp(2, 64) as u32;
-        let points = sequence::Sequence::new(t as u32);
+        let points = integration::Sequence::new(t as u32);
         let gap = |i: u32| {
             let [u, v, ..] = points.four(i, 0);
             self.gap(Point { triangle: t as u32, weights: triangle_weights(u, v) })
@@ -209,14 +250,13 @@ impl GapSearch<'_> {
         let point = at.position(self.low);
         let directions = at.vertices(self.low).map(|v| self.directions[v]);
         let direction = blend(directions, at.weights).normalize_or(self.directions[0]);
-        let height = |distance: f32| {
-            let projection = ProjectionRay { point, direction, distance };
-            self.scan.project(&projection).map(|found| found.height.abs())
-        };
+        let objects = self.groups.and_then(|groups| groups.objects(at.triangle));
+        let along = |distance: f32| ProjectionRay { point, direction, distance, objects };
+        let height = |distance: f32| self.scan.project(&along(distance)).map(|found| found.height.abs());
         if let Some(height) = height(near) {
             return Some(height);
         }
-        let closest = self.scan.bvh().closest(point, most)?.distance;
+        let closest = self.scan.distance_to(&along(near), most)?;
         Some(height((closest * OBLIQUE).max(near)).unwrap_or(closest))
     }
 }

@@ -1,7 +1,7 @@
 //! Fills the space between UV islands, so that no filter or mip level shows a seam, and the colours of invisible
 //! texels.
 
-use super::maps::{BakedMaps, TexelStatus};
+use super::maps::{BakedMaps, Plane, TexelStatus};
 use crate::parallel;
 
 /// Texels around each UV island that take the value of the nearest covered one before the rest is filled: more than
@@ -27,44 +27,45 @@ pub(super) fn fill(maps: &mut BakedMaps, steps: Option<u32>) {
         if grown.is_empty() {
             break;
         }
-        each(maps, |plane| copy(plane, &grown), |plane| copy(plane, &grown));
+        maps.filled_planes().for_each(|(plane, numbers)| match plane.channels() {
+            1 => copy(numbers, &grown),
+            _ => copy(vectors(numbers), &grown),
+        });
         grown.iter().for_each(|(to, _)| known[*to] = true);
     }
     if steps.is_none() {
-        each(maps, |plane| pull_push(plane, &known, size), |plane| pull_push(plane, &known, size));
+        maps.filled_planes().for_each(|(plane, numbers)| match (plane.channels(), plane.is_label()) {
+            (1, false) => pull_push(numbers.as_chunks_mut::<1>().0, (&known, size), mean),
+            (1, true) => pull_push(numbers.as_chunks_mut::<1>().0, (&known, size), first),
+            _ => pull_push(vectors(numbers), (&known, size), mean),
+        });
     }
+}
+
+fn vectors(numbers: &mut [f32]) -> &mut [[f32; 3]] {
+    numbers.as_chunks_mut().0
 }
 
 /// Gives baked texels with alpha 0, which are invisible, the colours of visible texels around them.
 fn fill_hidden(maps: &mut BakedMaps, baked: &[bool], size: [usize; 2]) {
-    let BakedMaps { albedo, alpha, .. } = maps;
-    if albedo.is_empty() || alpha.is_empty() {
+    if !maps.has(Plane::Albedo) || !maps.has(Plane::Alpha) {
         return;
     }
-    let seen: Vec<bool> = baked.iter().zip(alpha.iter()).map(|(is, alpha)| *is && *alpha >= SEEN).collect();
+    let alpha = maps.numbers(Plane::Alpha);
+    let seen: Vec<bool> = baked.iter().zip(alpha).map(|(is, alpha)| *is && *alpha >= SEEN).collect();
     if seen == baked || !seen.contains(&true) {
         return;
     }
     let mut known = seen;
+    let albedo = maps.vectors_mut(Plane::Albedo);
     for _ in 0..PADDING {
         let grown = neighbours(&known, size);
         copy(albedo, &grown);
         grown.iter().for_each(|(to, _)| known[*to] = true);
     }
-    pull_push(albedo, &known, size);
+    pull_push(albedo, (&known, size), mean);
     // Free texels have no colour yet.
     albedo.iter_mut().zip(baked).filter(|(_, is)| !**is).for_each(|(color, _)| *color = [0.0; 3]);
-}
-
-/// Applies a function to every plane present.
-fn each(maps: &mut BakedMaps, one: impl Fn(&mut [[f32; 1]]), three: impl Fn(&mut [[f32; 3]])) {
-    let BakedMaps { occlusion, heights, curvature, roughness, metallic, alpha, .. } = maps;
-    for plane in [occlusion, heights, curvature, roughness, metallic, alpha] {
-        one(plane.as_chunks_mut::<1>().0);
-    }
-    for plane in [&mut maps.normal, &mut maps.albedo, &mut maps.bent, &mut maps.emission] {
-        three(plane);
-    }
 }
 
 /// Returns the free texels next to known ones, each with its first known neighbour: left, right, above, below.
@@ -100,13 +101,14 @@ struct PyramidLevel<const N: usize> {
 /// Fills unknown texels from the means of ever larger squares.
 ///
 /// Source: Gortler et al. 1996, "The lumigraph", §3.4, with boxes as filters.
-fn pull_push<const N: usize>(plane: &mut [[f32; N]], known: &[bool], size: [usize; 2]) {
-    if plane.is_empty() {
-        return;
-    }
-    let mut levels = vec![coarser(size, |i| known[i].then(|| plane[i]))];
+fn pull_push<const N: usize>(
+    plane: &mut [[f32; N]],
+    (known, size): (&[bool], [usize; 2]),
+    joined: impl Fn([Option<[f32; N]>; 4]) -> Option<[f32; N]> + Sync,
+) {
+    let mut levels = vec![coarser(size, |i| known[i].then(|| plane[i]), &joined)];
     while let Some(last) = levels.last().filter(|level| level.texels.contains(&None)) {
-        levels.push(coarser(last.size, |i| last.texels[i]));
+        levels.push(coarser(last.size, |i| last.texels[i], &joined));
     }
     for k in (1..levels.len()).rev() {
         let (fine, coarse) = levels.split_at_mut(k);
@@ -126,24 +128,34 @@ fn pull_push<const N: usize>(plane: &mut [[f32; N]], known: &[bool], size: [usiz
     });
 }
 
-/// Returns the means of the known texels in squares of two by two.
+/// Joins the known texels in squares of two by two.
 fn coarser<const N: usize>(
     [width, height]: [usize; 2],
     at: impl Fn(usize) -> Option<[f32; N]> + Sync,
+    joined: &(impl Fn([Option<[f32; N]>; 4]) -> Option<[f32; N]> + Sync),
 ) -> PyramidLevel<N> {
     let size = [width.div_ceil(2), height.div_ceil(2)];
-    let mean = |i: usize| {
+    let square = |i: usize| {
         let (x, y) = (i % size[0] * 2, i / size[0] * 2);
-        let (mut sum, mut count) = ([0.0; N], 0);
-        for (x, y) in [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)] {
-            if let Some(texel) = (x < width && y < height).then(|| at(y * width + x)).flatten() {
-                (0..N).for_each(|k| sum[k] += texel[k]);
-                count += 1;
-            }
-        }
-        (count > 0).then(|| sum.map(|v| v / count as f32))
+        let corners = [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)];
+        joined(corners.map(|(x, y)| (x < width && y < height).then(|| at(y * width + x)).flatten()))
     };
-    PyramidLevel { size, texels: parallel::collect(size[0] * size[1], mean) }
+    PyramidLevel { size, texels: parallel::collect(size[0] * size[1], square) }
+}
+
+/// Returns the mean of the known texels.
+fn mean<const N: usize>(texels: [Option<[f32; N]>; 4]) -> Option<[f32; N]> {
+    let (mut sum, mut count) = ([0.0; N], 0);
+    for texel in texels.into_iter().flatten() {
+        (0..N).for_each(|k| sum[k] += texel[k]);
+        count += 1;
+    }
+    (count > 0).then(|| sum.map(|v| v / count as f32))
+}
+
+/// Returns the first known texel, for numbers that have no mean.
+fn first<const N: usize>(texels: [Option<[f32; N]>; 4]) -> Option<[f32; N]> {
+    texels.into_iter().flatten().next()
 }
 
 #[cfg(test)]
@@ -162,8 +174,8 @@ mod tests {
                     _ => continue,
                 };
                 maps.texels[y * 64 + x] = TexelStatus::Met;
-                maps.heights[y * 64 + x] = height;
-                maps.albedo[y * 64 + x] = [height; 3];
+                maps.numbers_mut(Plane::Height)[y * 64 + x] = height;
+                maps.vectors_mut(Plane::Albedo)[y * 64 + x] = [height; 3];
             }
         }
         maps
@@ -173,9 +185,9 @@ mod tests {
     fn every_mip_texel_is_made_of_islands_alone() {
         let mut maps = islands();
         // The initial values of free texels must not show up anywhere.
-        for i in 0..maps.heights.len() {
+        for i in 0..maps.numbers(Plane::Height).len() {
             if maps.texels[i] == TexelStatus::Free {
-                maps.heights[i] = -1000.0;
+                maps.numbers_mut(Plane::Height)[i] = -1000.0;
             }
         }
         let before = maps.clone();
@@ -183,10 +195,13 @@ mod tests {
         let rounding = 1e-5;
         let is_of_islands = |v: &f32| (1.0 - rounding..=3.0 + rounding).contains(v);
         for (i, texel) in before.texels.iter().enumerate() {
-            assert!(*texel == TexelStatus::Free || maps.heights[i] == before.heights[i]);
-            assert!(is_of_islands(&maps.heights[i]), "{}", maps.heights[i]);
+            assert!(
+                *texel == TexelStatus::Free
+                    || maps.numbers(Plane::Height)[i] == before.numbers(Plane::Height)[i]
+            );
+            assert!(is_of_islands(&maps.numbers(Plane::Height)[i]), "{}", maps.numbers(Plane::Height)[i]);
         }
-        let mut level = maps.heights;
+        let mut level = maps.numbers(Plane::Height).to_vec();
         let mut width = 64;
         while width > 2 {
             let at = |x: usize, y: usize| level[y * width + x];
@@ -213,33 +228,50 @@ mod tests {
                 if (8..56).contains(&x) && (8..56).contains(&y) {
                     let is_leaf = (20..30).contains(&x);
                     maps.texels[i] = TexelStatus::Met;
-                    maps.albedo[i] = if is_leaf { green } else { [0.0; 3] };
-                    maps.alpha[i] = if is_leaf { 1.0 } else { 0.0 };
+                    maps.vectors_mut(Plane::Albedo)[i] = if is_leaf { green } else { [0.0; 3] };
+                    maps.numbers_mut(Plane::Alpha)[i] = if is_leaf { 1.0 } else { 0.0 };
                 }
             }
             let before = maps.clone();
             fill(&mut maps, steps);
             let near = |a: [f32; 3], b: [f32; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-5);
             for i in (0..64 * 64).filter(|i| before.texels[*i] == TexelStatus::Met) {
-                assert!(near(maps.albedo[i], green), "{i}: {:?}", maps.albedo[i]);
-                assert_eq!(maps.alpha[i], before.alpha[i]);
+                assert!(
+                    near(maps.vectors(Plane::Albedo)[i], green),
+                    "{i}: {:?}",
+                    maps.vectors(Plane::Albedo)[i]
+                );
+                assert_eq!(maps.numbers(Plane::Alpha)[i], before.numbers(Plane::Alpha)[i]);
             }
             // Texels that no step reaches are unchanged.
             let corner = if steps.is_none() { green } else { [0.0; 3] };
-            assert!(near(maps.albedo[0], corner), "{:?}", maps.albedo[0]);
+            assert!(near(maps.vectors(Plane::Albedo)[0], corner), "{:?}", maps.vectors(Plane::Albedo)[0]);
         }
+    }
+
+    #[test]
+    fn numbers_of_things_are_never_averaged() {
+        let mut maps = BakedMaps::new([64, 64], Maps::default().with(MapKind::MaterialId));
+        for (x, id) in [(3, 2.0), (4, 5.0), (60, 9.0)] {
+            maps.texels[10 * 64 + x] = TexelStatus::Met;
+            maps.numbers_mut(Plane::MaterialId)[10 * 64 + x] = id;
+        }
+        fill(&mut maps, None);
+        assert!(maps.numbers(Plane::MaterialId).iter().all(|id| [2.0, 5.0, 9.0].contains(id)));
     }
 
     #[test]
     fn padding_is_as_wide_as_asked() {
         let mut maps = islands();
         fill(&mut maps, Some(3));
-        let at = |x: usize, y: usize| (maps.heights[y * 64 + x], maps.albedo[y * 64 + x]);
+        let at = |x: usize, y: usize| {
+            (maps.numbers(Plane::Height)[y * 64 + x], maps.vectors(Plane::Albedo)[y * 64 + x])
+        };
         assert_eq!(at(23, 10), (1.0, [1.0; 3]));
         assert_eq!(at(24, 10), (0.0, [0.0; 3]));
         assert_eq!(at(0, 10), (1.0, [1.0; 3]));
         let mut empty = BakedMaps::new([8, 8], Maps::default().with(MapKind::Height));
         fill(&mut empty, None);
-        assert!(empty.heights.iter().all(|v| *v == 0.0));
+        assert!(empty.numbers(Plane::Height).iter().all(|v| *v == 0.0));
     }
 }

@@ -49,6 +49,17 @@ impl TriangleSamples {
         Point { triangle: self.triangle, weights: sample.weights }
     }
 
+    /// Returns `true` if a sample is within one texel of an edge of the triangle, with `side` samples along a texel.
+    pub fn is_at_edge(&self, sample: &Sample, side: u32) -> bool {
+        let [origin, across, down] = self.weights;
+        (0..3).any(|k| {
+            // The weight of a corner is the distance from the opposite edge, in heights of the triangle.
+            let slope = [across[k] - origin[k], down[k] - origin[k]];
+            let per_sample = (slope[0] * slope[0] + slope[1] * slope[1]).sqrt();
+            sample.weights[k] < per_sample * side as f32
+        })
+    }
+
     /// Returns the distance between neighbouring samples on a triangle with these corners: the longer of the two
     /// axes, in model units.
     #[inline]

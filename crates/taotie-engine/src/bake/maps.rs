@@ -2,11 +2,12 @@
 //!
 //! A map holds one number or vector per texel, row by row from the top.
 
+use crate::math::Vec3;
 use crate::names::Named;
 
 /// A map that a scan can be baked into.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "kebab-case")]
 pub enum MapKind {
     /// The scan's normals.
     Normal,
@@ -24,7 +25,6 @@ pub enum MapKind {
     /// Roughness, widened by relief finer than a texel.
     Roughness,
     /// The scan's own metalness and roughness, from its materials and textures.
-    #[serde(rename = "metallic-roughness")]
     MetallicRoughness,
     /// The radiance that the scan emits.
     Emission,
@@ -33,6 +33,20 @@ pub enum MapKind {
     /// The scan's own occlusion texture.
     #[serde(rename = "occlusion")]
     OcclusionMap,
+    /// The scan's positions.
+    Position,
+    /// The scan's normals in its own space, whatever the space of the normal map.
+    WorldNormal,
+    /// The mean distance through the scan to its opposite side, weighted by the cosine.
+    Thickness,
+    /// The colours of the scan's vertices.
+    VertexColor,
+    /// The number of the scan's material.
+    MaterialId,
+    /// The number of the scan's object.
+    ObjectId,
+    /// The edges of the low-poly mesh.
+    Wireframe,
 }
 
 impl Named for MapKind {
@@ -49,13 +63,84 @@ impl Named for MapKind {
         ("emission", Self::Emission),
         ("alpha", Self::Alpha),
         ("occlusion", Self::OcclusionMap),
+        ("position", Self::Position),
+        ("world-normal", Self::WorldNormal),
+        ("thickness", Self::Thickness),
+        ("vertex-color", Self::VertexColor),
+        ("material-id", Self::MaterialId),
+        ("object-id", Self::ObjectId),
+        ("wireframe", Self::Wireframe),
     ];
+}
+
+/// The meaning of a map's values.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MapContent {
+    /// Unit vectors.
+    Direction,
+    /// Linear RGB.
+    Color,
+    /// Fractions, [0, 1].
+    Fraction,
+    /// Numbers or vectors in a unit of length or its inverse.
+    Length,
+    /// Numbers of things, from 0 up, which have no mean.
+    Label,
+}
+
+impl MapKind {
+    /// Returns the planes that the map is stored from.
+    pub const fn planes(self) -> &'static [Plane] {
+        match self {
+            Self::Normal => &[Plane::Normal],
+            Self::Occlusion | Self::OcclusionMap => &[Plane::Occlusion],
+            Self::Albedo => &[Plane::Albedo],
+            Self::Height => &[Plane::Height],
+            Self::Bent => &[Plane::Bent],
+            Self::Curvature => &[Plane::Curvature],
+            Self::Roughness => &[Plane::Roughness],
+            Self::MetallicRoughness => &[Plane::Roughness, Plane::Metallic],
+            Self::Emission => &[Plane::Emission],
+            Self::Alpha => &[Plane::Alpha],
+            Self::Position => &[Plane::Position],
+            Self::WorldNormal => &[Plane::WorldNormal],
+            Self::Thickness => &[Plane::Thickness],
+            Self::VertexColor => &[Plane::VertexColor],
+            Self::MaterialId => &[Plane::MaterialId],
+            Self::ObjectId => &[Plane::ObjectId],
+            Self::Wireframe => &[Plane::Wireframe],
+        }
+    }
+
+    /// Returns the meaning of its values.
+    pub const fn content(self) -> MapContent {
+        match self {
+            Self::Normal | Self::Bent | Self::WorldNormal => MapContent::Direction,
+            Self::Albedo | Self::Emission | Self::VertexColor => MapContent::Color,
+            Self::Height | Self::Curvature | Self::Position | Self::Thickness => MapContent::Length,
+            Self::MaterialId | Self::ObjectId => MapContent::Label,
+            Self::Occlusion
+            | Self::OcclusionMap
+            | Self::Roughness
+            | Self::MetallicRoughness
+            | Self::Alpha
+            | Self::Wireframe => MapContent::Fraction,
+        }
+    }
+
+    /// Returns `true` if glTF materials have no slot for the map, so that it is a file next to the asset.
+    pub const fn is_separate(self) -> bool {
+        match self {
+            Self::Wireframe | Self::Bent | Self::WorldNormal | Self::VertexColor => true,
+            _ => matches!(self.content(), MapContent::Length | MapContent::Label),
+        }
+    }
 }
 
 /// A set of maps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(from = "Vec<MapKind>", into = "Vec<MapKind>")]
-pub struct Maps(u16);
+pub struct Maps(u32);
 
 impl Maps {
     /// Returns the set with one more map.
@@ -112,7 +197,91 @@ pub enum TexelStatus {
     Lost,
 }
 
-/// Baked maps; those not requested are empty.
+/// A quantity that maps are stored from: a number or a vector per texel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Plane {
+    /// Unit normals, in the requested space.
+    Normal,
+    /// The open part of the hemisphere, [0, 1], found by rays or read from the scan's textures.
+    Occlusion,
+    /// The base colour, linear RGB.
+    Albedo,
+    /// The height above the low-poly mesh, in model units.
+    Height,
+    /// The mean open direction, unit, in the requested space.
+    Bent,
+    /// The mean curvature, in 1 / model units.
+    Curvature,
+    /// The perceptual roughness, as artists set it, [0, 1].
+    Roughness,
+    /// [0, 1].
+    Metallic,
+    /// [0, 1].
+    Alpha,
+    /// Emitted radiance, linear RGB.
+    Emission,
+    /// The position on the scan, in model units.
+    Position,
+    /// Unit normals in the space of the scan.
+    WorldNormal,
+    /// The mean distance through the scan, in model units; 0 where every ray leaves it.
+    Thickness,
+    /// The colour of the scan's vertices, linear RGB.
+    VertexColor,
+    /// The index of the scan's material.
+    MaterialId,
+    /// The index of the scan's object.
+    ObjectId,
+    /// The share of the texel within one texel of an edge of the low-poly mesh, [0, 1].
+    Wireframe,
+}
+
+impl Plane {
+    const ALL: [Self; 17] = [
+        Self::Normal,
+        Self::Occlusion,
+        Self::Albedo,
+        Self::Height,
+        Self::Bent,
+        Self::Curvature,
+        Self::Roughness,
+        Self::Metallic,
+        Self::Alpha,
+        Self::Emission,
+        Self::Position,
+        Self::WorldNormal,
+        Self::Thickness,
+        Self::VertexColor,
+        Self::MaterialId,
+        Self::ObjectId,
+        Self::Wireframe,
+    ];
+
+    /// Returns the numbers per texel: 1 or 3.
+    pub const fn channels(self) -> usize {
+        match self {
+            Self::Normal | Self::Bent | Self::WorldNormal | Self::Position => 3,
+            Self::Albedo | Self::Emission | Self::VertexColor => 3,
+            _ => 1,
+        }
+    }
+
+    /// Returns `true` if its numbers have no mean.
+    pub(super) const fn is_label(self) -> bool {
+        matches!(self, Self::MaterialId | Self::ObjectId)
+    }
+
+    /// Returns the values of texels that no triangle covers.
+    fn free(self, count: usize) -> Vec<f32> {
+        match self {
+            Self::Normal | Self::Bent | Self::WorldNormal => [0.0, 0.0, 1.0].repeat(count),
+            Self::Occlusion | Self::Alpha => vec![1.0; count],
+            _ => vec![0.0; count * self.channels()],
+        }
+    }
+}
+
+/// Baked maps; planes that no requested map needs are empty.
 #[derive(Debug, Clone, Default)]
 pub struct BakedMaps {
     /// Texels across.
@@ -121,49 +290,18 @@ pub struct BakedMaps {
     pub height: u32,
     /// The status of each texel.
     pub texels: Vec<TexelStatus>,
-    /// Unit normals, in the requested space.
-    pub normal: Vec<[f32; 3]>,
-    /// The open part of the hemisphere, [0, 1], found by rays or read from the scan's textures.
-    pub occlusion: Vec<f32>,
-    /// The base colour, linear RGB.
-    pub albedo: Vec<[f32; 3]>,
-    /// The height above the low-poly mesh, in model units.
-    pub heights: Vec<f32>,
-    /// The mean open direction, unit, in the requested space.
-    pub bent: Vec<[f32; 3]>,
-    /// The mean curvature, in 1 / model units.
-    pub curvature: Vec<f32>,
-    /// The perceptual roughness, as artists set it, [0, 1].
-    pub roughness: Vec<f32>,
-    /// [0, 1].
-    pub metallic: Vec<f32>,
-    /// [0, 1].
-    pub alpha: Vec<f32>,
-    /// Emitted radiance, linear RGB.
-    pub emission: Vec<[f32; 3]>,
+    /// The numbers of each plane, in the order of [`Plane`].
+    planes: [Vec<f32>; Plane::ALL.len()],
 }
 
 impl BakedMaps {
     pub(super) fn new([width, height]: [u32; 2], maps: Maps) -> Self {
         let count = width as usize * height as usize;
-        let any = |kinds: &[MapKind]| if maps.has_any(kinds) { count } else { 0 };
-        let of = |kind: MapKind| any(&[kind]);
-        const UP: [f32; 3] = [0.0, 0.0, 1.0];
-        Self {
-            width,
-            height,
-            texels: vec![TexelStatus::Free; count],
-            normal: vec![UP; of(MapKind::Normal)],
-            occlusion: vec![1.0; any(&[MapKind::Occlusion, MapKind::OcclusionMap])],
-            albedo: vec![[0.0; 3]; of(MapKind::Albedo)],
-            heights: vec![0.0; of(MapKind::Height)],
-            bent: vec![UP; of(MapKind::Bent)],
-            curvature: vec![0.0; of(MapKind::Curvature)],
-            roughness: vec![0.0; any(&[MapKind::Roughness, MapKind::MetallicRoughness])],
-            metallic: vec![0.0; of(MapKind::MetallicRoughness)],
-            alpha: vec![1.0; of(MapKind::Alpha)],
-            emission: vec![[0.0; 3]; of(MapKind::Emission)],
+        let mut planes = <[Vec<f32>; Plane::ALL.len()]>::default();
+        for plane in maps.iter().flat_map(MapKind::planes) {
+            planes[*plane as usize] = plane.free(count);
         }
+        Self { width, height, texels: vec![TexelStatus::Free; count], planes }
     }
 
     /// Texels across and down.
@@ -171,64 +309,90 @@ impl BakedMaps {
         [self.width, self.height]
     }
 
-    /// Returns the values of a plane at texels that a triangle covers.
-    pub fn covered(&self, plane: &[f32]) -> Vec<f32> {
-        let covered = self.texels.iter().zip(plane).filter(|(texel, _)| **texel != TexelStatus::Free);
-        covered.map(|(_, v)| *v).collect()
+    /// Returns `true` if a requested map needs a plane.
+    pub fn has(&self, plane: Plane) -> bool {
+        !self.planes[plane as usize].is_empty()
+    }
+
+    /// Returns the numbers of a plane, one per texel, or three of each vector; empty if no requested map needs them.
+    pub fn numbers(&self, plane: Plane) -> &[f32] {
+        &self.planes[plane as usize]
+    }
+
+    /// Returns the vectors of a plane, one per texel; empty if no requested map needs them.
+    pub fn vectors(&self, plane: Plane) -> &[[f32; 3]] {
+        self.numbers(plane).as_chunks().0
+    }
+
+    /// Returns the planes that requested maps need, with their numbers.
+    pub fn planes(&self) -> impl Iterator<Item = (Plane, &[f32])> {
+        Plane::ALL.into_iter().map(|plane| (plane, self.numbers(plane))).filter(|(_, v)| !v.is_empty())
+    }
+
+    /// Returns the planes that are filled between UV islands: all but drawings of the islands themselves.
+    pub(super) fn filled_planes(&mut self) -> impl Iterator<Item = (Plane, &mut Vec<f32>)> {
+        let is_filled =
+            |(plane, numbers): &(Plane, &mut Vec<f32>)| *plane != Plane::Wireframe && !numbers.is_empty();
+        Plane::ALL.into_iter().zip(&mut self.planes).filter(is_filled)
+    }
+
+    pub(super) fn numbers_mut(&mut self, plane: Plane) -> &mut [f32] {
+        &mut self.planes[plane as usize]
+    }
+
+    pub(super) fn vectors_mut(&mut self, plane: Plane) -> &mut [[f32; 3]] {
+        self.numbers_mut(plane).as_chunks_mut().0
+    }
+
+    /// Returns the values of a plane of numbers at texels that a triangle covers.
+    pub fn covered(&self, plane: Plane) -> Vec<f32> {
+        let is_covered = |(texel, _): &(&TexelStatus, &f32)| **texel != TexelStatus::Free;
+        self.texels.iter().zip(self.numbers(plane)).filter(is_covered).map(|(_, v)| *v).collect()
     }
 
     /// Splits the maps into bands of at most `rows` rows.
     pub(super) fn bands(&mut self, rows: u32) -> Vec<BandMaps<'_>> {
         let count = rows as usize * self.width as usize;
-        let bands = self.height.div_ceil(rows) as usize;
-        fn cut<T>(plane: &mut [T], count: usize, bands: usize) -> impl Iterator<Item = &mut [T]> {
-            let mut chunks = plane.chunks_mut(count);
-            (0..bands).map(move |_| chunks.next().unwrap_or_default())
+        let mut bands: Vec<BandMaps<'_>> =
+            self.texels.chunks_mut(count).map(|texels| BandMaps { texels, planes: Vec::new() }).collect();
+        for (plane, numbers) in Plane::ALL.into_iter().zip(&mut self.planes) {
+            let mut chunks = numbers.chunks_mut(count * plane.channels());
+            bands.iter_mut().for_each(|band| band.planes.push(chunks.next().unwrap_or_default()));
         }
-        let mut texels = cut(&mut self.texels, count, bands);
-        let mut normal = cut(&mut self.normal, count, bands);
-        let mut occlusion = cut(&mut self.occlusion, count, bands);
-        let mut albedo = cut(&mut self.albedo, count, bands);
-        let mut heights = cut(&mut self.heights, count, bands);
-        let mut bent = cut(&mut self.bent, count, bands);
-        let mut curvature = cut(&mut self.curvature, count, bands);
-        let mut roughness = cut(&mut self.roughness, count, bands);
-        let mut metallic = cut(&mut self.metallic, count, bands);
-        let mut alpha = cut(&mut self.alpha, count, bands);
-        let mut emission = cut(&mut self.emission, count, bands);
-        (0..bands)
-            .filter_map(|_| {
-                Some(BandMaps {
-                    texels: texels.next()?,
-                    normal: normal.next()?,
-                    occlusion: occlusion.next()?,
-                    albedo: albedo.next()?,
-                    heights: heights.next()?,
-                    bent: bent.next()?,
-                    curvature: curvature.next()?,
-                    roughness: roughness.next()?,
-                    metallic: metallic.next()?,
-                    alpha: alpha.next()?,
-                    emission: emission.next()?,
-                })
-            })
-            .collect()
+        bands
     }
 }
 
 /// The rows of [`BakedMaps`] that a band covers.
 pub(super) struct BandMaps<'a> {
     pub texels: &'a mut [TexelStatus],
-    pub normal: &'a mut [[f32; 3]],
-    pub occlusion: &'a mut [f32],
-    pub albedo: &'a mut [[f32; 3]],
-    pub heights: &'a mut [f32],
-    pub bent: &'a mut [[f32; 3]],
-    pub curvature: &'a mut [f32],
-    pub roughness: &'a mut [f32],
-    pub metallic: &'a mut [f32],
-    pub alpha: &'a mut [f32],
-    pub emission: &'a mut [[f32; 3]],
+    planes: Vec<&'a mut [f32]>,
+}
+
+impl BandMaps<'_> {
+    /// Returns `true` if a requested map needs a plane.
+    pub fn has(&self, plane: Plane) -> bool {
+        !self.planes[plane as usize].is_empty()
+    }
+
+    /// Returns the value of a texel in a plane of numbers.
+    pub fn number(&self, plane: Plane, texel: usize) -> f32 {
+        self.planes[plane as usize][texel]
+    }
+
+    /// Sets a texel of a plane of numbers, if a requested map needs it.
+    pub fn set(&mut self, plane: Plane, texel: usize, value: f32) {
+        if let Some(number) = self.planes[plane as usize].get_mut(texel) {
+            *number = value;
+        }
+    }
+
+    /// Sets a texel of a plane of vectors, if a requested map needs it.
+    pub fn set_vector(&mut self, plane: Plane, texel: usize, value: Vec3) {
+        if let Some(vector) = self.planes[plane as usize].as_chunks_mut().0.get_mut(texel) {
+            *vector = value.to_array();
+        }
+    }
 }
 
 /// Counts of sample outcomes.

@@ -21,16 +21,18 @@ pub struct Correspondence {
 
 /// A ray through a point of the low-poly mesh along which its correspondence is searched.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ProjectionRay {
+pub struct ProjectionRay<'a> {
     /// A point of the low-poly surface, world space.
     pub point: Vec3,
     /// Outward, unit.
     pub direction: Vec3,
     /// The ray distance, both into and out of the low-poly surface, in model units.
     pub distance: f32,
+    /// A flag per object of the scan: `true` if its correspondence may be there; `None` for all.
+    pub objects: Option<&'a [bool]>,
 }
 
-impl ProjectionRay {
+impl ProjectionRay<'_> {
     /// Returns the ray from its inner end, and its relevant interval.
     #[inline]
     fn ray(&self) -> (Ray, RayInterval) {
@@ -49,7 +51,7 @@ impl Scan {
     /// Returns the nearest point on the ray at which the scan's normal points along the ray and that can be seen: a
     /// surface facing the other way is the far side of something else, and hidden walls and ghost layers do not count.
     /// If none of the points can be seen, the nearest one is used.
-    pub fn project(&self, projection: &ProjectionRay) -> Option<Correspondence> {
+    pub fn project(&self, projection: &ProjectionRay<'_>) -> Option<Correspondence> {
         let (ray, interval) = projection.ray();
         let nearest = self.bvh().nearest_to(&ray, interval, |hit| self.facing(hit, projection));
         self.visible_of(projection, nearest)
@@ -57,7 +59,7 @@ impl Scan {
 
     /// Returns the correspondence among the nearest hits to a position on its ray. Visibility is checked only if
     /// there are several.
-    fn visible_of(&self, projection: &ProjectionRay, nearest: Nearest<Vec3>) -> Option<Correspondence> {
+    fn visible_of(&self, projection: &ProjectionRay<'_>, nearest: Nearest<Vec3>) -> Option<Correspondence> {
         let (hit, normal) = nearest.best()?;
         let is_visible = |hit: &Hit| self.is_visible(hit.point(), projection.direction);
         let found = match nearest.second() {
@@ -81,14 +83,29 @@ impl Scan {
 
     /// Returns the scan's normal at a hit, if it points along the ray.
     #[inline]
-    fn facing(&self, hit: &Hit, projection: &ProjectionRay) -> Option<Vec3> {
+    fn facing(&self, hit: &Hit, projection: &ProjectionRay<'_>) -> Option<Vec3> {
         let normal = hit.point().normal(self.mesh());
-        (normal.dot(projection.direction) > 0.0).then_some(normal)
+        (normal.dot(projection.direction) > 0.0 && self.may_show(projection, hit.triangle)).then_some(normal)
     }
 
-    /// Returns the closest point of the scan within `most`, if its normal points along `direction`.
-    pub fn closest(&self, point: Vec3, direction: Vec3, most: f32) -> Option<Correspondence> {
-        let closest = self.bvh().closest(point, most)?;
+    /// Returns `true` if a triangle belongs to an object on which the correspondence may be.
+    #[inline]
+    fn may_show(&self, projection: &ProjectionRay<'_>, triangle: u32) -> bool {
+        projection.objects.is_none_or(|objects| objects[self.surface().object_number(triangle)])
+    }
+
+    /// Returns the distance from the start of a projection ray to the closest point of the scan within `most`.
+    pub(super) fn distance_to(&self, projection: &ProjectionRay<'_>, most: f32) -> Option<f32> {
+        let counts = |triangle| self.may_show(projection, triangle);
+        Some(self.bvh().closest_of(projection.point, most, counts)?.distance)
+    }
+
+    /// Returns the point of the scan closest to the start of a projection ray, within `most`, if its normal points along
+    /// the ray.
+    pub fn closest(&self, projection: &ProjectionRay<'_>, most: f32) -> Option<Correspondence> {
+        let ProjectionRay { point, direction, .. } = *projection;
+        let counts = |triangle| self.may_show(projection, triangle);
+        let closest = self.bvh().closest_of(point, most, counts)?;
         let there = closest.point();
         let normal = there.normal(self.mesh());
         let side = if (there.position(self.mesh()) - point).dot(direction) < 0.0 { -1.0 } else { 1.0 };
@@ -112,7 +129,7 @@ pub(super) fn search(
     scan: &Scan,
     group: &TriangleSamples,
     corners: [Vec3; 3],
-    projections: &[ProjectionRay],
+    projections: &[ProjectionRay<'_>],
 ) -> Vec<Option<Correspondence>> {
     let one_by_one = || projections.iter().map(|projection| scan.project(projection)).collect();
     if projections.len() <= FEW {
@@ -134,7 +151,8 @@ pub(super) fn search(
         nearest[i].offer(hit, |hit| scan.facing(hit, &projections[i]));
         true
     });
-    let found = |(projection, nearest): (&ProjectionRay, Nearest<Vec3>)| scan.visible_of(projection, nearest);
+    let found =
+        |(projection, nearest): (&ProjectionRay<'_>, Nearest<Vec3>)| scan.visible_of(projection, nearest);
     projections.iter().zip(nearest).map(found).collect()
 }
 
@@ -147,7 +165,11 @@ fn middle(group: &TriangleSamples) -> &Sample {
 /// Returns the view of a ray packet along the projection rays of a triangle; `None` if it is seen edge-on.
 ///
 /// A sample at column x and row y looks along origin + x · across + y · down + depth · direction.
-fn view(group: &TriangleSamples, corners: [Vec3; 3], projections: &[ProjectionRay]) -> Option<PacketView> {
+fn view(
+    group: &TriangleSamples,
+    corners: [Vec3; 3],
+    projections: &[ProjectionRay<'_>],
+) -> Option<PacketView> {
     let [corner, across, down] = group.weights.map(|weights| blend(corners, weights));
     let (across, down) = (across - corner, down - corner);
     let origin = blend(corners, middle(group).weights);
@@ -156,7 +178,7 @@ fn view(group: &TriangleSamples, corners: [Vec3; 3], projections: &[ProjectionRa
     let scale = 1.0 / across.cross(down).dot(mean);
     let axes = [down.cross(mean) * scale, mean.cross(across) * scale, across.cross(down) * scale];
     let parts =
-        |projection: &ProjectionRay| projection.direction.dot(axes[2].normalize_or(mean)) < LEAST_COSINE;
+        |projection: &ProjectionRay<'_>| projection.direction.dot(axes[2].normalize_or(mean)) < LEAST_COSINE;
     if !axes.iter().all(|axis| axis.is_finite()) || projections.iter().any(parts) {
         return None;
     }
@@ -217,6 +239,7 @@ mod tests {
             point: Vec3::new(0.3, 0.4, z),
             direction,
             distance,
+            objects: None,
         };
         let at = |z: f32, distance: f32| scan.project(&projection(z, up, distance));
         let below = at(0.2, 0.5).unwrap();
@@ -235,6 +258,11 @@ mod tests {
         );
         let down = scan.project(&projection(0.9, -up, 0.5)).unwrap();
         assert!((down.height + 0.1).abs() < 1e-6);
+        // Objects that do not belong to the ray are passed through, and are not close to it.
+        let far = |objects| ProjectionRay { objects, ..projection(0.9, -up, 2.0) };
+        assert!(scan.project(&far(Some(&[true, false]))).is_none());
+        assert!((scan.project(&far(Some(&[false, true]))).unwrap().height + 0.1).abs() < 1e-6);
+        assert!((scan.distance_to(&far(Some(&[true, false])), 2.0).unwrap() - 0.9).abs() < 1e-6);
     }
 
     #[test]
@@ -242,10 +270,14 @@ mod tests {
         let scan = sheets();
         let up = Vec3::new(0.0, 0.0, 1.0);
         let outside = Vec3::new(-0.3, 0.5, 0.1);
-        let found = scan.closest(outside, up, 1.0).unwrap();
+        let closest = |direction: Vec3, most: f32| {
+            let projection = ProjectionRay { point: outside, direction, distance: 0.0, objects: None };
+            scan.closest(&projection, most)
+        };
+        let found = closest(up, 1.0).unwrap();
         assert!((found.height + 0.1f32.hypot(0.3)).abs() < 1e-6 && (found.normal - up).length() < 1e-6);
-        assert!(scan.closest(outside, -up, 1.0).is_none());
-        assert!(scan.closest(outside, up, 0.1).is_none());
+        assert!(closest(-up, 1.0).is_none());
+        assert!(closest(up, 0.1).is_none());
     }
 
     /// Returns a sphere with bumps as fine as its triangles, and a smaller one inside that also faces outward.

@@ -37,6 +37,22 @@ pub(super) struct Open {
     pub direction: Vec3,
 }
 
+/// The distances to the surface behind a point: sums over directions into it, each weighted by its cosine.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Depth {
+    /// The weighted distances.
+    pub distance: f32,
+    /// The weights of the directions that met a surface.
+    pub weight: f32,
+}
+
+impl Depth {
+    /// Returns the mean distance; 0 if there is nothing behind.
+    pub fn mean(&self) -> f32 {
+        if self.weight > 0.0 { self.distance / self.weight } else { 0.0 }
+    }
+}
+
 impl Sky {
     /// Makes about `rays` directions over the hemisphere for each texel of `classes` samples; surfaces farther away
     /// than `distance` do not count.
@@ -68,6 +84,26 @@ impl Sky {
         let facet = if facet.dot(found.normal) < 0.0 { -facet } else { facet };
         let origin = found.point.position(scan.mesh()) + facet * self.offset;
         AoSample { origin, normal: found.normal, facet, class: class % self.classes }
+    }
+
+    /// Follows the directions into the surface below a point. Those that leave the scan without meeting it, as through
+    /// a hole, do not count.
+    pub fn depth(&self, scan: &Scan, sample: &AoSample) -> Depth {
+        let below = sample.origin - sample.facet * (2.0 * self.offset);
+        let mut depth = Depth::default();
+        let own = self.directions.iter().skip(sample.class as usize).step_by(self.classes as usize);
+        for direction in own.filter(|direction| direction.dot(sample.facet) < 0.0) {
+            let weight = -direction.dot(sample.normal);
+            let hit = (weight > 0.0).then(|| {
+                let ray = Ray::new(below, *direction);
+                scan.bvh().nearest_of(&ray, f32::INFINITY, |_| true)
+            });
+            if let Some(hit) = hit.flatten() {
+                depth.distance += (hit.distance + self.offset) * weight;
+                depth.weight += weight;
+            }
+        }
+        depth
     }
 
     /// Samples the sky of each of these points; neighbours should be consecutive.

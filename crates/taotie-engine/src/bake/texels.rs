@@ -4,11 +4,11 @@ use super::appearance::{MaterialSample, under_mode};
 use super::cage::Cage;
 use super::fill::fill;
 use super::layout::{BAND, Layout, TriangleSamples};
-use super::maps::{BakeCounts, Baked, BakedMaps, BandMaps, MapKind, Maps, TexelStatus};
+use super::maps::{BakeCounts, Baked, BakedMaps, BandMaps, MapKind, Maps, Plane, TexelStatus};
 use super::projection::{Correspondence, ProjectionRay, search};
 use super::scan::Scan;
 use super::sky::{AoSample, Sky};
-use super::texel_material::MaterialSums;
+use super::texel_sums::{MaterialSums, OF_POINTS, PointSums};
 use super::texture_lookup::LookupPoint;
 use crate::error::{Error, Result};
 use crate::math::Vec3;
@@ -32,9 +32,10 @@ pub struct BakeSettings {
     pub maps: Maps,
     /// The space of normals and bent normals.
     pub space: NormalSpace,
-    /// Rays over the hemisphere per texel, for occlusion and bent normals.
+    /// Rays over the hemisphere per texel, for occlusion, bent normals and thickness.
     pub sky_rays: u32,
-    /// The distance within which surfaces block these rays, in model units; `None` for any distance.
+    /// The distance within which surfaces block the rays of occlusion and bent normals, in model units; `None` for any
+    /// distance.
     pub sky_distance: Option<f32>,
     /// The perceptual roughness that replaces that of the scan's materials; `None` uses theirs.
     pub roughness: Option<f32>,
@@ -75,7 +76,8 @@ pub fn bytes_of_bands(size: [u32; 2], side: u32, maps: Maps) -> u64 {
     let at_once = rayon::current_num_threads().min(size[1].div_ceil(BAND) as usize) as u64;
     let owners = u64::from(side).pow(2) * size_of::<u32>() as u64;
     let materials = if maps.has_any(&OF_MATERIALS) { size_of::<MaterialSums>() as u64 } else { 0 };
-    let texel = size_of::<Cell>() as u64 + owners + materials;
+    let points = if maps.has_any(&OF_POINTS) { size_of::<PointSums>() as u64 } else { 0 };
+    let texel = size_of::<Cell>() as u64 + owners + materials + points;
     (at_once * u64::from(BAND)).saturating_mul(u64::from(size[0]) * texel)
 }
 
@@ -90,11 +92,11 @@ pub fn bake(input: BakeInput<'_>, settings: &BakeSettings, progress: Progress<'_
     let layout = Layout::new(low, &low.uvs()[0], settings.size, settings.side)?;
     let wants = |kind| settings.maps.has(kind);
     let reads_materials = settings.maps.has_any(&OF_MATERIALS);
+    let of_sky = [MapKind::Occlusion, MapKind::Bent, MapKind::Thickness];
     let job = Job {
-        sky: (wants(MapKind::Occlusion) || wants(MapKind::Bent)).then(|| sky(low, settings)),
+        sky: settings.maps.has_any(&of_sky).then(|| sky(low, settings)),
         curvatures: if wants(MapKind::Curvature) { mean_curvatures(scan.mesh()) } else { Vec::new() },
         alpha_modes: if reads_materials { scan.alpha_modes(low, cage) } else { Vec::new() },
-        reads_materials,
         without_hit: scan.surface().first_factors(),
         layout,
         cage,
@@ -149,8 +151,6 @@ struct Job<'a> {
     curvatures: Vec<f32>,
     /// The alpha mode with which each triangle of the low-poly mesh is shown; empty if no materials are read.
     alpha_modes: Vec<AlphaMode>,
-    /// `true` if a map of the scan's materials is baked.
-    reads_materials: bool,
     /// The material of texels whose samples have no correspondence.
     without_hit: MaterialSample,
 }
@@ -175,6 +175,8 @@ struct Cell {
     curvature: f32,
     /// Sum of the variances of the scan's normals within the lookup width.
     variance: f32,
+    /// Samples within one texel of an edge of the low-poly mesh.
+    edges: u32,
 }
 
 /// The sums of all texels of a band.
@@ -182,12 +184,18 @@ struct Cells {
     surfaces: Vec<Cell>,
     /// Sums of the scan's materials; empty if no map of them is baked.
     materials: Vec<MaterialSums>,
+    /// Sums of the scan's points; empty if no map of them is baked.
+    points: Vec<PointSums>,
 }
 
 impl Cells {
-    fn new(texels: usize, reads_materials: bool) -> Self {
-        let materials = if reads_materials { texels } else { 0 };
-        Self { surfaces: vec![Cell::default(); texels], materials: vec![MaterialSums::default(); materials] }
+    fn new(texels: usize, maps: Maps) -> Self {
+        let of = |kinds: &[MapKind]| if maps.has_any(kinds) { texels } else { 0 };
+        Self {
+            surfaces: vec![Cell::default(); texels],
+            materials: vec![MaterialSums::default(); of(&OF_MATERIALS)],
+            points: vec![PointSums::default(); of(&OF_POINTS)],
+        }
     }
 }
 
@@ -206,7 +214,7 @@ impl Job<'_> {
     }
 
     fn band(&self, band: usize, maps: &mut BandMaps<'_>) -> BakeCounts {
-        let mut cells = Cells::new(maps.texels.len(), self.reads_materials);
+        let mut cells = Cells::new(maps.texels.len(), self.settings.maps);
         let shared = self.layout.triangle_samples(band, |group| self.add_samples(group, &mut cells));
         let mut counts = BakeCounts { shared, ..BakeCounts::default() };
         for (i, cell) in cells.surfaces.iter().enumerate().filter(|(_, cell)| cell.samples > 0) {
@@ -223,7 +231,7 @@ impl Job<'_> {
     /// Adds the scan's values at the samples of a triangle in a tile.
     fn add_samples(&self, group: &TriangleSamples, cells: &mut Cells) {
         let corners = self.layout.mesh.corners(group.triangle as usize);
-        let projections: Vec<ProjectionRay> = group
+        let projections: Vec<ProjectionRay<'_>> = group
             .samples
             .iter()
             .map(|sample| self.cage.projection_ray(self.layout.mesh, group.point(sample)))
@@ -234,19 +242,27 @@ impl Job<'_> {
         for ((sample, projection), found) in group.samples.iter().zip(&projections).zip(found) {
             let cell = &mut cells.surfaces[sample.texel as usize];
             self.add_frame(group.point(sample), cell);
+            cell.edges += u32::from(group.is_at_edge(sample, self.layout.side));
             let Some(found) = self.found(projection, found, cell) else { continue };
             self.add(&found, width, cell);
             if let Some(sums) = cells.materials.get_mut(sample.texel as usize) {
                 let mode = self.alpha_modes[group.triangle as usize];
                 sums.add(self.material(LookupPoint { point: found.point, width }, mode));
             }
+            let points = cells.points.get_mut(sample.texel as usize);
+            let points = points.map(|sums| (sums.add(self.scan, found.point), sums).1);
             if let Some(sky) = &self.sky {
                 let [x, y] = sample.at.map(|v| u32::from(v) % self.layout.side);
-                let class = y * self.layout.side + x;
-                ao_samples.push((sample.texel, sky.ao_sample(self.scan, &found, class)));
+                let ao_sample = sky.ao_sample(self.scan, &found, y * self.layout.side + x);
+                if let Some(sums) = points.filter(|_| self.settings.maps.has(MapKind::Thickness)) {
+                    sums.add_depth(sky.depth(self.scan, &ao_sample));
+                }
+                ao_samples.push((sample.texel, ao_sample));
             }
         }
-        self.add_sky(ao_samples, &mut cells.surfaces);
+        if self.settings.maps.has_any(&[MapKind::Occlusion, MapKind::Bent]) {
+            self.add_sky(ao_samples, &mut cells.surfaces);
+        }
     }
 
     fn add_sky(&self, ao_samples: Vec<(u32, AoSample)>, cells: &mut [Cell]) {
@@ -273,7 +289,7 @@ impl Job<'_> {
     /// scan.
     fn found(
         &self,
-        projection: &ProjectionRay,
+        projection: &ProjectionRay<'_>,
         met: Option<Correspondence>,
         cell: &mut Cell,
     ) -> Option<Correspondence> {
@@ -314,61 +330,50 @@ impl Job<'_> {
     fn store(&self, i: usize, cells: &Cells, maps: &mut BandMaps<'_>) {
         let cell = &cells.surfaces[i];
         let share = 1.0 / cell.samples as f32;
-        let wanted = self.settings.maps;
         maps.texels[i] = match cell {
             cell if cell.lost > 0 => TexelStatus::Lost,
             cell if cell.missed > 0 => TexelStatus::Closest,
             _ => TexelStatus::Met,
         };
-        if wanted.has(MapKind::Normal) {
-            maps.normal[i] = self.turned(cell, cell.normal).to_array();
+        if maps.has(Plane::Normal) {
+            maps.set_vector(Plane::Normal, i, self.turned(cell, cell.normal));
         }
-        if wanted.has(MapKind::Bent) {
-            maps.bent[i] = self.turned(cell, cell.bent).to_array();
+        if maps.has(Plane::Bent) {
+            maps.set_vector(Plane::Bent, i, self.turned(cell, cell.bent));
         }
+        let up = Vec3::new(0.0, 0.0, 1.0);
+        maps.set_vector(Plane::WorldNormal, i, cell.normal.normalize_or(cell.n.normalize_or(up)));
+        maps.set(Plane::Wireframe, i, cell.edges as f32 * share);
         // Only samples with a correspondence have heights and curvatures.
         let of_found = 1.0 / (cell.samples - cell.lost).max(1) as f32;
-        if wanted.has(MapKind::Height) {
-            maps.heights[i] = cell.heights * of_found;
-        }
-        if wanted.has(MapKind::Occlusion) {
-            maps.occlusion[i] = if cell.looked > 0.0 { cell.open / cell.looked } else { 1.0 };
-        }
-        if wanted.has(MapKind::Curvature) {
-            maps.curvature[i] = cell.curvature * of_found;
+        maps.set(Plane::Height, i, cell.heights * of_found);
+        maps.set(Plane::Curvature, i, cell.curvature * of_found);
+        maps.set(Plane::Occlusion, i, if cell.looked > 0.0 { cell.open / cell.looked } else { 1.0 });
+        if let Some(sums) = cells.points.get(i) {
+            sums.store(i, maps);
         }
         if let Some(sums) = cells.materials.get(i) {
             self.store_material(i, &sums.mean().unwrap_or(self.without_hit), maps);
         }
-        if wanted.has(MapKind::Roughness) {
+        if self.settings.maps.has(MapKind::Roughness) {
             let mean = cell.normal * share;
             let normal_variance = (1.0 - mean.dot(mean) * (1.0 - cell.variance * share)).clamp(0.0, 1.0);
-            let own = self.settings.roughness.unwrap_or(maps.roughness[i]);
-            maps.roughness[i] = SubPixelVariance { curvature: 0.0f32, normal_variance }.widened(own);
+            let own = self.settings.roughness.unwrap_or(maps.number(Plane::Roughness, i));
+            let variance = SubPixelVariance { curvature: 0.0f32, normal_variance };
+            maps.set(Plane::Roughness, i, variance.widened(own));
         }
     }
 
     /// Writes the material of a texel.
     fn store_material(&self, i: usize, mean: &MaterialSample, maps: &mut BandMaps<'_>) {
-        let wanted = self.settings.maps;
-        if wanted.has(MapKind::Albedo) {
-            maps.albedo[i] = mean.color.to_array();
-        }
-        if wanted.has_any(&[MapKind::Roughness, MapKind::MetallicRoughness]) {
-            maps.roughness[i] = mean.roughness;
-        }
-        if wanted.has(MapKind::MetallicRoughness) {
-            maps.metallic[i] = mean.metallic;
-        }
-        if wanted.has(MapKind::Emission) {
-            maps.emission[i] = mean.emission.to_array();
-        }
-        if wanted.has(MapKind::Alpha) {
-            maps.alpha[i] = mean.alpha;
-        }
+        maps.set_vector(Plane::Albedo, i, mean.color);
+        maps.set(Plane::Roughness, i, mean.roughness);
+        maps.set(Plane::Metallic, i, mean.metallic);
+        maps.set_vector(Plane::Emission, i, mean.emission);
+        maps.set(Plane::Alpha, i, mean.alpha);
         // Occlusion found by rays overrides the texture's.
-        if wanted.has(MapKind::OcclusionMap) && !wanted.has(MapKind::Occlusion) {
-            maps.occlusion[i] = mean.occlusion;
+        if !self.settings.maps.has(MapKind::Occlusion) {
+            maps.set(Plane::Occlusion, i, mean.occlusion);
         }
     }
 
@@ -419,12 +424,13 @@ mod tests {
     use crate::mesh::MeshData;
 
     #[test]
-    fn only_maps_of_the_scans_materials_pay_for_their_sums() {
-        let [bare, full] = [false, true].map(|reads_materials| Cells::new(64, reads_materials));
-        assert_eq!((bare.surfaces.len(), bare.materials.capacity()), (64, 0));
-        assert_eq!((full.surfaces.len(), full.materials.len()), (64, 64));
-        // 12 numbers of vectors, 3 counts, 6 numbers.
-        assert_eq!(size_of::<Cell>(), 4 * (12 + 3 + 6));
+    fn only_maps_of_materials_and_points_pay_for_their_sums() {
+        let of = |maps: &[MapKind]| Cells::new(64, maps.iter().copied().collect());
+        let [bare, full] = [of(&[MapKind::Normal]), of(&[MapKind::Albedo, MapKind::Position])];
+        assert_eq!((bare.surfaces.len(), bare.materials.capacity(), bare.points.capacity()), (64, 0, 0));
+        assert_eq!((full.surfaces.len(), full.materials.len(), full.points.len()), (64, 64, 64));
+        // 12 numbers of vectors, 4 counts, 6 numbers.
+        assert_eq!(size_of::<Cell>(), 4 * (12 + 4 + 6));
     }
 
     #[test]

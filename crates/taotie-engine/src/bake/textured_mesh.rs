@@ -60,6 +60,19 @@ impl TexturedMesh {
         self.appearance.material_number(triangle)
     }
 
+    /// Returns the names of its materials.
+    pub fn material_names(&self) -> Vec<String> {
+        self.appearance.materials.iter().map(|material| material.name.clone()).collect()
+    }
+
+    /// Returns the index of the object that a triangle belongs to, among the instances of the scene.
+    ///
+    /// # Panics
+    /// If the mesh has no such triangle.
+    pub fn object_number(&self, triangle: u32) -> usize {
+        self.appearance.object_number(triangle)
+    }
+
     /// Returns the factors of the first instance's material, used if no surface is found.
     pub(super) fn first_factors(&self) -> MaterialSample {
         self.appearance.first_factors()

@@ -152,10 +152,16 @@ impl Shapes {
         let mut scene = SceneData { meshes, materials, textures, instances, lights, cameras };
         add_missing_uvs(&mut scene, &variants, &mut shown.deformed, &mut warnings)?;
         let structure = statistics::structure(document, &nodes);
+        let placed =
+            shown.nodes.iter().zip(scene.instances.iter().map(|instance| &mesh_names[instance.mesh]));
+        let of_node = |node: usize| document.root.nodes.get(node)?.name.clone();
+        let object_names =
+            placed.map(|(node, mesh)| node.and_then(of_node).unwrap_or_else(|| mesh.clone())).collect();
         let hung = Hung { shown, cameras: camera_nodes, lights: light_nodes };
         let rig = hung.rig(document, nodes, &mut warnings)?;
         Ok(Loaded {
             mesh_names,
+            object_names,
             texture_names,
             missing_files,
             rig,

@@ -2,6 +2,7 @@
 //! name them.
 
 use super::super::text::{Words, quote};
+use std::collections::HashMap;
 use taotie_engine::math::{Vec2, Vec3};
 
 /// The content of an OBJ file. Every index of a corner is in range or [`NONE`].
@@ -129,6 +130,24 @@ impl Marks {
     /// Returns the objects, or the groups if the file has no objects.
     pub fn chosen(&self) -> &[Mark] {
         if self.objects.is_empty() { &self.groups } else { &self.objects }
+    }
+
+    /// Returns the number of the object of each chosen mark, equal for equal names, if objects are named for baking
+    /// (`wheel_low`, `wheel_high`), so that each must be a mesh; empty if faces of one material are one mesh.
+    pub fn kept_apart(&self) -> Vec<u32> {
+        let is_for_baking = |mark: &Mark| {
+            let name = mark.name.to_lowercase();
+            name.contains("_low") || name.contains("_high")
+        };
+        if !self.chosen().iter().any(is_for_baking) {
+            return Vec::new();
+        }
+        let (mut numbers, mut of_marks) = (HashMap::new(), Vec::new());
+        for mark in self.chosen() {
+            let next = numbers.len() as u32 + 1;
+            of_marks.push(*numbers.entry(mark.name.as_str()).or_insert(next));
+        }
+        of_marks
     }
 }
 

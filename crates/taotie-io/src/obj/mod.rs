@@ -76,6 +76,7 @@ fn assemble(reading: &Reading, obj: &Obj, parts: Vec<Part>, loaded: &mut Loaded)
         }
         place(&mut scene, mesh, material);
     }
+    loaded.object_names.clone_from(mesh_names);
     scene.textures = textures.list;
     loaded.texture_names = textures.names;
     loaded.files.append(&mut textures.files);
@@ -162,7 +163,7 @@ struct Part {
 /// and welds corners with equal position, uv and normal index.
 ///
 /// A mesh has uvs only if all its faces have them at every corner, and likewise normals; so one material can have up
-/// to four meshes. In memory the uv origin is top left.
+/// to four meshes. Objects that are named for baking are separate meshes. In memory the uv origin is top left.
 fn build(obj: &Obj, warnings: &mut Warnings) -> Result<Vec<Part>> {
     let mut parts: Vec<PartBuilder> = Vec::new();
     let mut part_of_kind: HashMap<Kind, usize> = HashMap::new();
@@ -171,8 +172,12 @@ fn build(obj: &Obj, warnings: &mut Warnings) -> Result<Vec<Part>> {
     let colors = linear_colors(obj, warnings);
     let mut firsts = vec![(NONE, NONE); obj.positions.len()];
     let mut walk = Walk::new(obj.marks.chosen());
+    let apart = obj.marks.kept_apart();
     for (i, face) in obj.faces.iter().enumerate() {
-        let kind = scratch.take(obj, face, warnings);
+        let mark = walk.at(i);
+        let object = mark.checked_sub(1).and_then(|mark| apart.get(mark)).copied().unwrap_or_default();
+        let (uvs, normals) = scratch.take(obj, face, warnings);
+        let kind = Kind { material: face.material, object, uvs, normals };
         let part = match current {
             Some((same, part)) if same == kind => part,
             _ => *part_of_kind.entry(kind).or_insert_with(|| {
@@ -183,16 +188,23 @@ fn build(obj: &Obj, warnings: &mut Warnings) -> Result<Vec<Part>> {
         current = Some((kind, part));
         scratch.cut(warnings);
         parts[part].add(obj, &colors, &scratch, &mut firsts);
-        parts[part].mark(walk.at(i));
+        parts[part].mark(mark);
     }
-    if parts.iter().any(|part| !part.kind.2) {
+    if parts.iter().any(|part| !part.kind.normals) {
         warnings.note("smoothing groups are merged, since faces lack normals", obj.smoothing_changes);
     }
     parts.into_iter().map(|part| part.finish(obj.marks.chosen(), warnings)).collect()
 }
 
-/// The material, whether there are uvs, and whether there are normals.
-type Kind = (u32, bool, bool);
+/// The properties that the faces of a mesh share.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+struct Kind {
+    material: u32,
+    /// The number of the object; 0 if objects are not kept apart.
+    object: u32,
+    uvs: bool,
+    normals: bool,
+}
 
 /// The current face.
 #[derive(Default)]
@@ -204,8 +216,8 @@ struct Scratch {
 }
 
 impl Scratch {
-    /// Takes the corners of `face`, without unusable uvs or normals.
-    fn take(&mut self, obj: &Obj, face: &Face, warnings: &mut Warnings) -> Kind {
+    /// Takes the corners of `face`, without unusable uvs or normals; returns whether there are any.
+    fn take(&mut self, obj: &Obj, face: &Face, warnings: &mut Warnings) -> (bool, bool) {
         self.corners.clear();
         self.corners.extend_from_slice(&obj.corners[face.first as usize..][..face.count as usize]);
         self.points.clear();
@@ -220,7 +232,7 @@ impl Scratch {
             "faces with unusable normals (zero, NaN or not at every corner)",
             warnings,
         );
-        (face.material, uvs, normals)
+        (uvs, normals)
     }
 
     /// Returns `true` if every corner has a usable index in `slot`; otherwise removes it from all corners.
@@ -261,7 +273,7 @@ struct PartBuilder {
 
 impl PartBuilder {
     fn new(number: u32, kind: Kind) -> Self {
-        let uvs = if kind.1 { vec![Vec::new()] } else { Vec::new() };
+        let uvs = if kind.uvs { vec![Vec::new()] } else { Vec::new() };
         let data = MeshData { uvs, ..MeshData::default() };
         Self { number, kind, data, marks: Vec::new(), corners: Vec::new(), welded: HashMap::new() }
     }
@@ -308,7 +320,7 @@ impl PartBuilder {
         if let Some(uvs) = self.data.uvs.first_mut() {
             uvs.push(Vec2::new(obj.uvs[uv].x, 1.0 - obj.uvs[uv].y));
         }
-        if self.kind.2 {
+        if self.kind.normals {
             self.data.normals.push(obj.normals[normal].to_f64().normalize().to_f32());
         }
         if let Some(color) = colors.get(position) {
@@ -319,7 +331,7 @@ impl PartBuilder {
     fn finish(self, marks: &[Mark], warnings: &mut Warnings) -> Result<Part> {
         let mesh = Mesh::new(self.data)?;
         warnings.note("triangles without area", mesh.degenerate_triangles());
-        let material = (self.kind.0 != NONE).then_some(self.kind.0 as usize);
+        let material = (self.kind.material != NONE).then_some(self.kind.material as usize);
         Ok(Part { material, name: joined(marks, &self.marks), mesh })
     }
 }

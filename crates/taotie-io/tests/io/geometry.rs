@@ -188,6 +188,13 @@ fn obj_meshes_have_the_names_of_their_objects() {
     let grouped = obj(&format!("{vertices}f 1 2 3\ng lid\nf 1//1 2//1 3//1\n"));
     assert_eq!(grouped.mesh_names, ["mesh 0", "lid"]);
     assert!(obj(&format!("{vertices}f 1 2 3\n")).mesh_names.is_empty());
+    // Objects that are named for baking stay apart, also if another comes between their faces.
+    let pair = "o lid_low\nf 1 2 3\no foot_low\nf 1 2 3\no lid_low\nf 2 3 1\n";
+    let apart = obj(&format!("{vertices}f 1 2 3\n{pair}"));
+    assert_eq!(apart.mesh_names, ["mesh 0", "lid_low", "foot_low"]);
+    assert_eq!(apart.object_names, apart.mesh_names);
+    let triangles: Vec<usize> = apart.scene.meshes().iter().map(|mesh| mesh.triangles().len()).collect();
+    assert_eq!(triangles, [1, 2, 1]);
 }
 
 #[test]

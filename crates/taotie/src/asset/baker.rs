@@ -184,6 +184,8 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
     let asked = &asked.sized(about.size);
     let plan = BakePlan::of(asked, &about.carried, &looks);
     note_unread_options(&plan.options, &mut warnings);
+    let lacks_colors = plan.options.bakes(&[MapKind::VertexColor]) && scan.mesh().colors().is_empty();
+    warnings.note("the map of vertex colours is black: the scan has none", usize::from(lacks_colors));
     let materials = given.iter_mut().flat_map(GivenMesh::materials_mut);
     materials.for_each(|material| plan.fill(&about.carried, material));
     let mut document = given.as_mut().and_then(GivenMesh::take_document);

@@ -43,9 +43,10 @@ mod source;
 mod write;
 
 pub use ask::{
-    BakeOptions, Figure, FigureUnit, Lod, Looking, MeshSource, Packing, Preset, RayDistance, Requirement,
+    BakeOptions, Channels, Figure, FigureUnit, Lod, Looking, MeshSource, Packing, Preset, RayDistance,
+    Requirement,
 };
-pub use bake::{Asset, MapPresence, MemoryEstimate, Misses, Range, SeparateMap, Textures, Trial};
+pub use bake::{Asset, MemoryEstimate, Misses, Range, SeparateMap, Textures, Trial};
 pub use baker::Baker;
 pub use proof::{
     BakeFigures, Beyond, Certificate, Coverage, Figures, HashedFile, HashedMap, KeyFigure, LevelFigures,

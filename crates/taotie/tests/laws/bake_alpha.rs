@@ -5,7 +5,7 @@ use crate::bake_material::{baked_onto_itself, bytes, places, scene, scene_of, sq
 use std::path::Path;
 use taotie::asset::{Asset, BakeOptions, Baker, Lod, Packing, Scan, VerifyOptions};
 use taotie_engine::Progress;
-use taotie_engine::bake::{self, Cage, MapKind, TexturedMesh, low_poly_mesh};
+use taotie_engine::bake::{self, Cage, MapKind, Plane, TexturedMesh, low_poly_mesh};
 use taotie_engine::image::{Bitmap, Encoding, Sampler, Texels, Texture};
 use taotie_engine::math::Mat4;
 use taotie_engine::mesh::Mesh;
@@ -38,11 +38,11 @@ fn a_leaf_on_black_that_is_not_there_stays_green() {
     {
         let scene = scene(square(), painted(alpha), texture.clone(), Mat4::IDENTITY);
         let maps = baked_onto_itself(&scene, size, &[MapKind::Albedo, MapKind::Alpha]);
-        for (color, uv) in maps.albedo.iter().zip(places(size)) {
+        for (color, uv) in maps.vectors(Plane::Albedo).iter().zip(places(size)) {
             let off = color.iter().zip([r, g, b]).map(|(v, wanted)| (v - wanted).abs()).fold(0.0, f32::max);
             assert!(off < 0.01, "{size}, {alpha:?}: {color:?} at {uv:?} is not {:?}", [r, g, b]);
         }
-        let mean = maps.alpha.iter().sum::<f32>() / (size * size) as f32;
+        let mean = maps.numbers(Plane::Alpha).iter().sum::<f32>() / (size * size) as f32;
         assert!((mean - 0.25).abs() < 0.01, "{size}, {alpha:?}: alpha {mean}");
     }
 }
@@ -57,7 +57,7 @@ fn an_opaque_material_shows_all_its_colours() {
     let without = Texture::new(Bitmap::new(256, 256, 3, Texels::U8(texels)).unwrap(), Encoding::Srgb);
     let albedo = |texture: Texture| {
         let scene = scene(square(), painted(AlphaMode::Opaque), texture, Mat4::IDENTITY);
-        baked_onto_itself(&scene, 16, &[MapKind::Albedo]).albedo
+        baked_onto_itself(&scene, 16, &[MapKind::Albedo]).vectors(Plane::Albedo).to_vec()
     };
     let (a, b) = (albedo(with_alpha.clone()), albedo(without));
     assert!(a == b, "alpha does not change maps that ignore it");

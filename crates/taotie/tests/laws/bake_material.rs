@@ -5,8 +5,8 @@ use crate::bake_scan::shown;
 use std::ops::Range;
 use taotie_engine::Progress;
 use taotie_engine::bake::{
-    BakeInput, BakeSettings, BakedMaps, Cage, LookupPoint, MapKind, Scan, TexturedMesh, UvLookup, Verifier,
-    bake, low_poly_mesh,
+    BakeInput, BakeSettings, BakedMaps, Cage, LookupPoint, MapKind, Plane, ProjectionRay, Scan, TexturedMesh,
+    UvLookup, Verifier, bake, low_poly_mesh,
 };
 use taotie_engine::compare::angle_deg;
 use taotie_engine::image::{Bitmap, Encoding, Sampler, Texels, Texture, Wrap};
@@ -131,7 +131,7 @@ fn largest_angle(normals: &[[f32; 3]], size: u32, truth: impl Fn(Vec2) -> Vec3) 
 fn a_normal_map_of_the_scan_is_baked_and_measured() {
     let scene = tilted_square(NormalSpace::Tangent, Mat4::IDENTITY);
     let maps = baked_onto_itself(&scene, 128, &[MapKind::Normal]);
-    let off = largest_angle(&maps.normal, 128, tilted);
+    let off = largest_angle(maps.vectors(Plane::Normal), 128, tilted);
     assert!(off < 0.1, "{off}°");
     let low = with_frames(&square(), 0, None).unwrap().0.into_owned();
     let (scan, cage) = (Scan::new(scene).unwrap(), Cage::uniform(&low, 0.01).unwrap());
@@ -140,7 +140,10 @@ fn a_normal_map_of_the_scan_is_baked_and_measured() {
         verifier.normal_error(5000).unwrap().angles.summary().unwrap().mean
     };
     let fine = Storage { bits: 16, dither: false };
-    let kept = Texture::new(store_unit_vectors([128; 2], &maps.normal, fine).unwrap(), Encoding::Normal);
+    let kept = Texture::new(
+        store_unit_vectors([128; 2], maps.vectors(Plane::Normal), fine).unwrap(),
+        Encoding::Normal,
+    );
     let sampler = texture_0().sampler;
     let kept = mean(Some(&shown(&low, &kept, (NormalSpace::Object, sampler))));
     assert!(kept < 0.1, "an asset that preserves the field: {kept}°");
@@ -186,19 +189,24 @@ fn maps_turn_with_their_instance() {
     ] {
         let scene = tilted_square(space, m);
         let maps = baked_onto_itself(&scene, 64, &[MapKind::Normal]);
-        let off = largest_angle(&maps.normal, 64, mirrored);
+        let off = largest_angle(maps.vectors(Plane::Normal), 64, mirrored);
         assert!(off < 0.2, "{space:?}: {off}°");
     }
     let plain = tilted_square(NormalSpace::Object, mirror(2.0, 2.0, 2.0));
     let maps = baked_onto_itself(&plain, 64, &[MapKind::Normal]);
-    assert!(largest_angle(&maps.normal, 64, |uv| turned(tilted(uv))) < 0.2);
+    assert!(largest_angle(maps.vectors(Plane::Normal), 64, |uv| turned(tilted(uv))) < 0.2);
 }
 
 #[test]
 fn a_scan_without_maps_keeps_its_normals_to_the_bit() {
     let scan = Scan::new(Scene::of_mesh(Mesh::sphere(1.0, 24, 12), Material::default()).unwrap()).unwrap();
     let from = Vec3::new(0.2, 0.3, 0.93);
-    let found = scan.closest(from, from.normalize(), 0.5).unwrap();
+    let found = scan
+        .closest(
+            &ProjectionRay { point: from, direction: from.normalize(), distance: 0.0, objects: None },
+            0.5,
+        )
+        .unwrap();
     for width in [0.0, 0.1] {
         let mapped = scan.mapped_normal(&found, width);
         assert_eq!((mapped.normal, mapped.variance), (found.normal, 0.0));
@@ -215,7 +223,8 @@ fn a_ramp_of_heights_is_a_tilted_plane() {
     let truth = Vec3::new(-0.25, 0.0, 1.0);
     for size in [64, 16, 8] {
         let maps = baked_onto_itself(&scene, size, &[MapKind::Normal]);
-        let inner = maps.normal.iter().zip(places(size)).filter(|(_, uv)| (0.2..0.8).contains(&uv.x));
+        let inner =
+            maps.vectors(Plane::Normal).iter().zip(places(size)).filter(|(_, uv)| (0.2..0.8).contains(&uv.x));
         let off = inner.map(|(n, _)| degrees(Vec3::from_array(*n), truth)).fold(0.0, f64::max);
         assert!(off < 0.05, "{size}: {off}°");
     }
@@ -251,12 +260,18 @@ fn each_part_has_its_own_material() {
     let scene = scene_of(vec![(strip(0.0..0.5), gold), (strip(0.5..1.0), lamp)], Vec::new());
     let maps = baked_onto_itself(&scene, 32, &MATERIAL);
     for (i, uv) in places(32).enumerate() {
-        let all = (maps.albedo[i], maps.metallic[i], maps.roughness[i], maps.alpha[i], maps.emission[i]);
+        let all = (
+            maps.vectors(Plane::Albedo)[i],
+            maps.numbers(Plane::Metallic)[i],
+            maps.numbers(Plane::Roughness)[i],
+            maps.numbers(Plane::Alpha)[i],
+            maps.vectors(Plane::Emission)[i],
+        );
         match uv.x < 0.5 {
             true => assert_eq!(all, ([1.0, 0.75, 0.25], 1.0, 0.25, 1.0, [0.0; 3])),
             false => assert_eq!(all, ([0.125, 0.25, 0.5], 0.0, 0.75, 0.5, [8.0, 4.0, 0.0])),
         }
-        assert_eq!(maps.occlusion[i], 1.0);
+        assert_eq!(maps.numbers(Plane::Occlusion)[i], 1.0);
     }
 }
 
@@ -277,11 +292,11 @@ fn textures_of_all_values_are_baked() {
     let maps = baked_onto_itself(&scene(square(), material, texture, Mat4::IDENTITY), 32, &MATERIAL);
     let near = |a: f32, b: f32| assert!((a - b).abs() < 1e-3, "{a} is not {b}");
     for (i, uv) in places(32).enumerate() {
-        near(maps.roughness[i], 0.8 * uv.x);
-        near(maps.metallic[i], 0.5 * uv.y);
-        near(maps.occlusion[i], 1.0 - 0.25 * uv.x);
+        near(maps.numbers(Plane::Roughness)[i], 0.8 * uv.x);
+        near(maps.numbers(Plane::Metallic)[i], 0.5 * uv.y);
+        near(maps.numbers(Plane::Occlusion)[i], 1.0 - 0.25 * uv.x);
         let emission = [2.0 - uv.x, uv.x, 0.5 * uv.y];
-        maps.emission[i].iter().zip(emission).for_each(|(a, b)| near(*a, b));
+        maps.vectors(Plane::Emission)[i].iter().zip(emission).for_each(|(a, b)| near(*a, b));
     }
 }
 
@@ -301,7 +316,7 @@ pub fn bytes(size: u32, value: impl Fn(u32, u32) -> [u8; 4]) -> Texture {
 fn a_checker_finer_than_the_map_is_its_mean() {
     let checker = bytes(1024, |x, y| [if (x + y) % 2 == 0 { 255 } else { 0 }; 4]);
     let maps = baked_onto_itself(&painted(checker), 16, &[MapKind::Albedo]);
-    for color in &maps.albedo {
+    for color in maps.vectors(Plane::Albedo) {
         assert!(color.iter().all(|v| (v - 0.5).abs() < 0.02), "{color:?}");
     }
 }
@@ -312,7 +327,7 @@ fn an_even_texture_stays_to_the_bit() {
     let [r, g, b, _] = even.texel(0, 0, 0);
     for size in [16, 128] {
         let maps = baked_onto_itself(&painted(even.clone()), size, &[MapKind::Albedo]);
-        assert!(maps.albedo.iter().all(|color| *color == [r, g, b]), "{size}");
+        assert!(maps.vectors(Plane::Albedo).iter().all(|color| *color == [r, g, b]), "{size}");
     }
 }
 
@@ -343,7 +358,7 @@ fn mip_levels_bleed_no_farther_than_a_texel() {
     let scene = scene(tiles(4.0 / 128.0), material, bytes(512, paint), Mat4::IDENTITY);
     let maps = baked_onto(&square(), &scene, 64, &[MapKind::Albedo]);
     let is_inner = |v: f32| (1.0..15.0).contains(&((v * 64.0) % 16.0));
-    for (color, uv) in maps.albedo.iter().zip(places(64)) {
+    for (color, uv) in maps.vectors(Plane::Albedo).iter().zip(places(64)) {
         let least = if is_inner(uv.x) && is_inner(uv.y) { 0.99 } else { 0.94 };
         assert!(color[1] > least && color[0] == 0.0, "{color:?} at {uv:?}");
     }
@@ -369,7 +384,7 @@ fn contours_of_masks_stay_under_one_cutoff() {
     assert_eq!(TexturedMesh::new(scene.clone()).unwrap().alpha_mode(), AlphaMode::Mask(0.5));
     let maps = baked_onto_itself(&scene, 96, &MATERIAL);
     let mut judged = 0;
-    for (alpha, uv) in maps.alpha.iter().zip(places(96)) {
+    for (alpha, uv) in maps.numbers(Plane::Alpha).iter().zip(places(96)) {
         let (own, cutoff) = (within(uv.x), cutoffs[(uv.x * 3.0) as usize]);
         // A texel is 1/32 of a strip.
         let is_clear = (own - cutoff).abs() > 1.0 / 32.0 && (0.05..0.95).contains(&own);
@@ -393,7 +408,7 @@ fn colours_of_what_is_not_there_do_not_bleed() {
     };
     let scene = scene(square(), material, bytes(64, paint), Mat4::IDENTITY);
     let maps = baked_onto_itself(&scene, 32, &[MapKind::Albedo, MapKind::Alpha]);
-    for (color, alpha) in maps.albedo.iter().zip(&maps.alpha) {
+    for (color, alpha) in maps.vectors(Plane::Albedo).iter().zip(maps.numbers(Plane::Alpha)) {
         assert!(color[0] < 0.01 && color[1] > 0.99 && (alpha - 0.5).abs() < 1e-3, "{color:?} {alpha}");
     }
 }
@@ -409,8 +424,11 @@ fn samples_without_a_hit_darken_nothing() {
     let settings = BakeSettings { size: [32; 2], maps, ..BakeSettings::default() };
     let baked = bake(BakeInput { low: &low, cage: &cage, scan: &scan }, &settings, Progress::SILENT).unwrap();
     assert!(baked.counts.lost > baked.counts.samples / 2, "{:?}", baked.counts);
-    assert!(baked.maps.albedo.iter().all(|color| *color == [0.5, 0.25, 0.125]));
-    assert!(baked.maps.roughness.iter().all(|v| *v == 0.25) && baked.maps.alpha.iter().all(|v| *v == 1.0));
+    assert!(baked.maps.vectors(Plane::Albedo).iter().all(|color| *color == [0.5, 0.25, 0.125]));
+    assert!(
+        baked.maps.numbers(Plane::Roughness).iter().all(|v| *v == 0.25)
+            && baked.maps.numbers(Plane::Alpha).iter().all(|v| *v == 1.0)
+    );
 }
 
 #[test]
@@ -426,7 +444,9 @@ fn textures_follow_their_own_uv_set() {
     for m in [Mat4::IDENTITY, Mat4::translation(Vec3::new(1.0, 0.0, 0.0))] {
         let maps =
             baked_onto_itself(&scene(mesh.clone(), material.clone(), halves(), m), 32, &[MapKind::Albedo]);
-        for (color, uv) in maps.albedo.iter().zip(places(32)).filter(|(_, uv)| (uv.x - 0.5).abs() > 0.05) {
+        for (color, uv) in
+            maps.vectors(Plane::Albedo).iter().zip(places(32)).filter(|(_, uv)| (uv.x - 0.5).abs() > 0.05)
+        {
             assert_eq!(*color, if uv.x < 0.5 { [0.0, 0.0, 1.0] } else { [1.0, 0.0, 0.0] });
         }
     }
@@ -444,8 +464,8 @@ fn grooves_of_a_normal_map_finer_than_a_texel_become_roughness() {
     let scene = scene(square(), material, texture(512, Encoding::Normal, groove), Mat4::IDENTITY);
     let coarse = baked_onto_itself(&scene, 16, &[MapKind::Normal, MapKind::Roughness]);
     let middle = 8 * 16 + 8;
-    assert!(coarse.roughness[middle] > 0.6, "{}", coarse.roughness[middle]);
-    assert!(coarse.normal[middle][2] > 0.99, "the mean normal is upright");
+    assert!(coarse.numbers(Plane::Roughness)[middle] > 0.6, "{}", coarse.numbers(Plane::Roughness)[middle]);
+    assert!(coarse.vectors(Plane::Normal)[middle][2] > 0.99, "the mean normal is upright");
 }
 
 /// A sphere whose material has all maps.
@@ -480,9 +500,7 @@ fn threads_change_no_bit_of_a_textured_scan() {
         })
     };
     let (one, three) = (of(1), of(3));
-    assert!(one.normal == three.normal && one.albedo == three.albedo && one.emission == three.emission);
-    assert!(one.roughness == three.roughness && one.metallic == three.metallic && one.alpha == three.alpha);
-    assert!(one.occlusion == three.occlusion && one.texels == three.texels);
+    assert!(one.planes().eq(three.planes()) && one.texels == three.texels);
 }
 
 #[test]

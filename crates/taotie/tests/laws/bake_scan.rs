@@ -2,7 +2,7 @@
 
 use taotie_engine::Progress;
 use taotie_engine::bake::{
-    BakeInput, BakeSettings, Baked, BakedMaps, Cage, MapKind, Maps, Scan, TexelStatus, TexturedMesh,
+    BakeInput, BakeSettings, Baked, BakedMaps, Cage, MapKind, Maps, Plane, Scan, TexelStatus, TexturedMesh,
     UnwrapOptions, Verifier, bake, unwrap,
 };
 use taotie_engine::image::{Encoding, Sampler, Texture};
@@ -65,7 +65,7 @@ pub fn shown(low: &Mesh, texture: &Texture, (space, sampler): (NormalSpace, Samp
 
 /// Returns angles over the surface as a viewer shows it, in degrees: mean and largest.
 fn shown_angles(low: &Mesh, maps: &BakedMaps, storage: Storage, (cage, scan): (&Cage, &Scan)) -> [f64; 2] {
-    let bitmap = store_unit_vectors(maps.size(), &maps.normal, storage).unwrap();
+    let bitmap = store_unit_vectors(maps.size(), maps.vectors(Plane::Normal), storage).unwrap();
     let texture = Texture::new(bitmap, Encoding::Normal);
     let sampler = Sampler::BILINEAR;
     let shown = shown(low, &texture, (NormalSpace::Tangent, sampler));
@@ -149,7 +149,7 @@ fn object_space_holds_the_directions_of_a_sphere() {
     // Every direction occurs, and neighbouring texels are nearly equal.
     let mut seen = [false; 6];
     for i in covered(&maps) {
-        let n = Vec3::from_array(maps.normal[i]);
+        let n = Vec3::from_array(maps.vectors(Plane::Normal)[i]);
         assert!((n.length() - 1.0).abs() < 1e-5);
         let axes = [n.x, -n.x, n.y, -n.y, n.z, -n.z];
         axes.iter().zip(&mut seen).for_each(|(c, seen)| *seen |= *c > 0.95);
@@ -166,11 +166,20 @@ fn heights_are_distances_to_the_scan() {
     assert_eq!(baked.counts.missed, 0);
     for i in covered(&baked.maps) {
         // The low-poly sphere's facets are up to 1 − cos(π/64) inside it.
-        assert!((0.0495..0.0565).contains(&baked.maps.heights[i]), "{}", baked.maps.heights[i]);
+        assert!(
+            (0.0495..0.0565).contains(&baked.maps.numbers(Plane::Height)[i]),
+            "{}",
+            baked.maps.numbers(Plane::Height)[i]
+        );
         // Triangles at the poles are so small that the rounding of their corners bends them.
-        assert!((baked.maps.curvature[i] * 1.05 - 1.0).abs() < 0.1, "{}", baked.maps.curvature[i]);
+        assert!(
+            (baked.maps.numbers(Plane::Curvature)[i] * 1.05 - 1.0).abs() < 0.1,
+            "{}",
+            baked.maps.numbers(Plane::Curvature)[i]
+        );
     }
-    let curvatures: Vec<f32> = covered(&baked.maps).map(|i| baked.maps.curvature[i]).collect();
+    let curvatures: Vec<f32> =
+        covered(&baked.maps).map(|i| baked.maps.numbers(Plane::Curvature)[i]).collect();
     let mean = curvatures.iter().sum::<f32>() / curvatures.len() as f32;
     assert!((mean * 1.05 - 1.0).abs() < 2e-3, "{mean}");
 }
@@ -214,16 +223,16 @@ fn half_of_the_sky_is_open_at_the_foot_of_a_wall() {
     let cage = Cage::uniform(&low, 0.01).unwrap();
     let maps =
         bake(BakeInput { low: &low, cage: &cage, scan: &scan }, &settings, Progress::SILENT).unwrap().maps;
-    for (i, open) in maps.occlusion.iter().enumerate() {
+    for (i, open) in maps.numbers(Plane::Occlusion).iter().enumerate() {
         let x = f64::from((i % 32) as u32) / 32.0 * 2.0 - 1.0 + 1.0 / 32.0;
         // A long wall of height 1 at distance d hides (1 − sin of its elevation's complement)/2 of the
         // cosine-weighted sky: view factor (1 − d/√(d² + 1))/2.
         let hidden = (1.0 - x.abs() / (x * x + 1.0).sqrt()) / 2.0;
         assert!((f64::from(*open) - (1.0 - hidden)).abs() < 0.06, "{open} at {x}: {}", 1.0 - hidden);
-        let bent = maps.bent[i];
+        let bent = maps.vectors(Plane::Bent)[i];
         assert!(f64::from(bent[0]) * x.signum() > 0.0, "open directions lean away from the wall");
     }
-    let mean = maps.occlusion.iter().map(|v| f64::from(*v)).sum::<f64>() / 1024.0;
+    let mean = maps.numbers(Plane::Occlusion).iter().map(|v| f64::from(*v)).sum::<f64>() / 1024.0;
     let truth = (0..1024).map(|i| {
         let x = (i as f64 + 0.5) / 1024.0;
         1.0 - (1.0 - x / (x * x + 1.0).sqrt()) / 2.0
@@ -246,7 +255,11 @@ fn a_nearer_sheet_goes_before_one_behind_it_and_backs_do_not_count() {
     let low = with_frames(&square(0.0, 2.0), 0, None).unwrap().0.into_owned();
     let (baked, _) = baked(&low, &scan, &settings(16, &[MapKind::Height]));
     assert_eq!(baked.counts.missed, 0);
-    assert!(baked.maps.heights.iter().all(|h| (h + 0.02).abs() < 1e-6), "{:?}", baked.maps.heights[0]);
+    assert!(
+        baked.maps.numbers(Plane::Height).iter().all(|h| (h + 0.02).abs() < 1e-6),
+        "{:?}",
+        baked.maps.numbers(Plane::Height)[0]
+    );
 }
 
 #[test]
@@ -275,24 +288,14 @@ fn what_is_not_there_is_counted_and_never_made_up() {
     }
 }
 
-/// Returns every map of two bakes: its name, and the largest difference of a number.
-fn differences(a: &BakedMaps, b: &BakedMaps) -> [(&'static str, f32); 10] {
-    let most = |a: &[f32], b: &[f32]| {
+/// Returns every plane of two bakes, and the largest difference of a number.
+fn differences(a: &BakedMaps, b: &BakedMaps) -> Vec<(Plane, f32)> {
+    let most = |(plane, a): (Plane, &[f32])| {
+        let b = b.numbers(plane);
         assert_eq!(a.len(), b.len());
-        a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+        (plane, a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max))
     };
-    [
-        ("normal", most(a.normal.as_flattened(), b.normal.as_flattened())),
-        ("occlusion", most(&a.occlusion, &b.occlusion)),
-        ("albedo", most(a.albedo.as_flattened(), b.albedo.as_flattened())),
-        ("height", most(&a.heights, &b.heights)),
-        ("bent", most(a.bent.as_flattened(), b.bent.as_flattened())),
-        ("curvature", most(&a.curvature, &b.curvature)),
-        ("roughness", most(&a.roughness, &b.roughness)),
-        ("metallic", most(&a.metallic, &b.metallic)),
-        ("alpha", most(&a.alpha, &b.alpha)),
-        ("emission", most(a.emission.as_flattened(), b.emission.as_flattened())),
-    ]
+    a.planes().map(most).collect()
 }
 
 /// Returns the same mesh with its last triangle first.
@@ -313,28 +316,78 @@ fn maps_depend_on_neither_threads_nor_order() {
         pool.install(|| baked(low, &scan(fine.clone()), &settings).0.maps)
     };
     let one = of(&low, &fine, 1);
-    assert!([one.occlusion.len(), one.curvature.len(), one.roughness.len()] == [one.texels.len(); 3]);
+    assert_eq!(one.planes().count(), 17);
     // Sums over the triangles around a vertex are rounded depending on their order: in the scan those of its
     // curvature, in the low-poly mesh those of the cage. Measured: 3.6e-7 and 7.5e-7.
     const ROUNDING: f32 = 1e-6;
+    const ROUNDED: [Plane; 8] = [
+        Plane::Normal,
+        Plane::Height,
+        Plane::Bent,
+        Plane::Curvature,
+        Plane::Roughness,
+        Plane::Position,
+        Plane::WorldNormal,
+        Plane::Thickness,
+    ];
     let cases = [
         ("three threads", of(&low, &fine, 3), None),
         ("the scan's vertices", of(&low, &turned_round(&fine), 2), None),
-        ("the scan's triangles", of(&low, &backwards(&fine), 2), Some(&["curvature"][..])),
+        ("the scan's triangles", of(&low, &backwards(&fine), 2), Some(&[Plane::Curvature][..])),
         ("the low-poly mesh's vertices", of(&turned_round(&low), &fine, 2), None),
-        (
-            "the low-poly mesh's triangles",
-            of(&backwards(&low), &fine, 2),
-            Some(&["normal", "height", "bent", "curvature", "roughness"][..]),
-        ),
+        ("the low-poly mesh's triangles", of(&backwards(&low), &fine, 2), Some(&ROUNDED[..])),
     ];
     for (what, other, rounded) in cases {
         assert!(one.texels == other.texels, "{what}");
         for (map, most) in differences(&one, &other) {
             let allowed = if rounded.is_some_and(|r| r.contains(&map)) { ROUNDING } else { 0.0 };
-            assert!(most <= allowed, "{what}: {map} differs by {most}");
+            assert!(most <= allowed, "{what}: {map:?} differs by {most}");
         }
     }
+}
+
+/// A chord of a sphere of radius r at an angle θ to the normal is 2r cos θ long; its cosine-weighted mean over the
+/// hemisphere is 4r/3.
+#[test]
+fn points_of_a_sphere_are_where_they_are_and_as_thick_as_it() {
+    let (radius, center) = (2.0f32, Vec3::new(30.0, -4.0, 7.0));
+    let moved = |mesh: &Mesh| {
+        let mut data = mesh.clone().into_data();
+        data.positions.iter_mut().for_each(|p| *p += center);
+        Mesh::new(data).unwrap()
+    };
+    let fine = scan(moved(&bare_sphere(f64::from(radius), 256, 128)));
+    let low = low_poly(&moved(&bare_sphere(f64::from(radius) * 1.01, 24, 12)), 64);
+    let kinds = [MapKind::Position, MapKind::WorldNormal, MapKind::Thickness, MapKind::ObjectId];
+    let settings = BakeSettings { sky_rays: 256, ..settings(64, &kinds) };
+    let maps = baked(&low, &fine, &settings).0.maps;
+    let (positions, normals) = (maps.vectors(Plane::Position), maps.vectors(Plane::WorldNormal));
+    let diagonal = 2.0 * radius * 3.0f32.sqrt();
+    let thickness = maps.numbers(Plane::Thickness);
+    for i in covered(&maps) {
+        let way = Vec3::from_array(positions[i]) - center;
+        // A texel shows the mean of four points of a curved surface.
+        assert!((way.length() - radius).abs() < 2e-3 * diagonal, "{way:?}");
+        assert!(way.normalize().dot(Vec3::from_array(normals[i])) > 0.9999);
+        assert!((thickness[i] / radius - 4.0 / 3.0).abs() < 0.02, "{}", thickness[i]);
+        assert_eq!(maps.numbers(Plane::ObjectId)[i], 0.0);
+    }
+}
+
+#[test]
+fn a_sheet_without_a_back_has_no_thickness() {
+    let mut data = square(0.0, 2.0).into_data();
+    data.uvs.clear();
+    let low = with_frames(&square(0.0, 2.0), 0, None).unwrap().0.into_owned();
+    let kinds = [MapKind::Thickness, MapKind::Wireframe];
+    let maps = baked(&low, &scan(Mesh::new(data).unwrap()), &settings(32, &kinds)).0.maps;
+    assert!(maps.numbers(Plane::Thickness).iter().all(|v| *v == 0.0));
+    // The border and the diagonal of a square, each one texel wide on either side.
+    let drawn = maps.numbers(Plane::Wireframe);
+    let at = |x: usize, y: usize| drawn[y * 32 + x];
+    assert_eq!([at(0, 9), at(31, 9), at(9, 0), at(9, 31)], [1.0; 4]);
+    assert_eq!([at(1, 9), at(20, 9), at(9, 30)], [0.0; 3]);
+    assert!(at(16, 16) + at(16, 15) > 0.9, "the diagonal");
 }
 
 #[test]
@@ -371,12 +424,15 @@ fn relief_finer_than_a_texel_becomes_roughness() {
         baked(&low, &scan, &settings).0.maps
     };
     let coarse = bake_at(16, 8);
-    let middle = coarse.roughness[8 * 16 + 8];
+    let middle = coarse.numbers(Plane::Roughness)[8 * 16 + 8];
     assert!(middle > 0.6, "{middle}");
-    assert!(Vec3::from_array(coarse.normal[8 * 16 + 8]).z > 0.9, "the mean normal is upright");
+    assert!(
+        Vec3::from_array(coarse.vectors(Plane::Normal)[8 * 16 + 8]).z > 0.9,
+        "the mean normal is upright"
+    );
     // On a map that resolves the grooves no roughness is added within a slope; 362 of 1024 columns contain an edge.
     let fine = bake_at(1024, 2);
-    let plain = fine.roughness.iter().filter(|v| (**v - 0.3).abs() < 1e-3).count() as f64;
-    let part = plain / fine.roughness.len() as f64;
+    let plain = fine.numbers(Plane::Roughness).iter().filter(|v| (**v - 0.3).abs() < 1e-3).count() as f64;
+    let part = plain / fine.numbers(Plane::Roughness).len() as f64;
     assert!((0.62..0.85).contains(&part), "{part}");
 }

@@ -1,11 +1,12 @@
 //! The options of a bake, and of the packing of its asset.
 
+use super::channels::Channels;
 use super::figure::Figure;
 use super::lod::Lod;
 use super::requirement::{self, Requirement};
 use std::path::PathBuf;
 use std::sync::Arc;
-use taotie_engine::bake::MapKind;
+use taotie_engine::bake::{MapContent, MapKind};
 use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::mesh::Mesh;
 use taotie_engine::scene::{GreenChannel, NormalSpace};
@@ -138,6 +139,9 @@ pub struct BakeOptions {
     pub ao_distance: Option<f64>,
     /// Roughness of the scan's own surface, [0, 1]; `None` uses that of its material.
     pub roughness: Option<f64>,
+    /// `true` if objects of `low` named `X_low` show only objects of the scan named `X_high`, with any X. Other objects
+    /// show whatever is nearest.
+    pub by_name: bool,
     /// The distance within which the scan is searched for.
     pub ray_distance: RayDistance,
     /// `true` if the scan is checked for faults: open edges, duplicate triangles.
@@ -168,6 +172,7 @@ impl Default for BakeOptions {
             ao_rays: AO_RAYS,
             ao_distance: None,
             roughness: None,
+            by_name: true,
             ray_distance: RayDistance::Auto,
             inspect: true,
         }
@@ -336,10 +341,11 @@ impl BakeOptions {
 pub(in crate::asset) fn note_unread_options(options: &BakeOptions, warnings: &mut Warnings) {
     let bakes = |any: &[MapKind]| options.bakes(any);
     let sky = bakes(&[MapKind::Occlusion, MapKind::Bent]);
+    let directions = options.maps.iter().any(|map| map.content() == MapContent::Direction);
     let normals = bakes(&[MapKind::Normal, MapKind::Bent]);
     let unread = [
-        ("the number of occlusion rays has no effect: neither ao nor bent is baked", {
-            options.ao_rays != AO_RAYS && !sky
+        ("the number of occlusion rays has no effect: none of ao, bent and thickness is baked", {
+            options.ao_rays != AO_RAYS && !sky && !bakes(&[MapKind::Thickness])
         }),
         ("the distance of occlusion has no effect: neither ao nor bent is baked", {
             options.ao_distance.is_some() && !sky
@@ -347,7 +353,7 @@ pub(in crate::asset) fn note_unread_options(options: &BakeOptions, warnings: &mu
         ("the roughness has no effect: no roughness is baked", {
             options.roughness.is_some() && !bakes(&[MapKind::Roughness])
         }),
-        ("16 bits have no effect: neither normal nor bent is baked", options.bits == 16 && !normals),
+        ("16 bits have no effect: no map of directions is baked", options.bits == 16 && !directions),
         ("object space has no effect: neither normal nor bent is baked", {
             options.space == NormalSpace::Object && !normals
         }),
@@ -402,7 +408,7 @@ mod side_as_text {
 ///     asset.write("small.glb", &packing, Progress::SILENT)
 /// }
 /// ```
-#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default)]
 pub struct Packing {
     /// The formats of textures; KTX2 needs maps whose sides are multiples of 4.
@@ -420,6 +426,8 @@ pub struct Packing {
     /// second time next to the asset, as `scan.normal.png`, and bent normals likewise; the asset's own has green up,
     /// as glTF requires.
     pub green: GreenChannel,
+    /// Textures that pack maps into their channels, as `scan.orm.png` next to the asset.
+    pub channels: Vec<Channels>,
 }
 
 impl Packing {

@@ -1,11 +1,13 @@
 //! The maps of one low-poly mesh: baked through a cage, and stored as textures of an asset and as separate files.
 
-use super::judgement::refuse_no_hit;
+use super::judgement::{Misses, refuse_no_hit};
 use crate::asset::ask::BakeOptions;
 use crate::asset::source::{KeptTextures, LowPoly, Metalness, Pair, Rays, Scan};
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use taotie_engine::bake::{
-    self, BakeCounts, BakeInput, BakeSettings, Baked, BakedMaps, Cage, MapKind, Maps, TexelStatus,
+    self, BakeCounts, BakeInput, BakeSettings, Baked, BakedMaps, Cage, MapContent, MapKind, Maps, Plane,
+    TexelStatus,
 };
 use taotie_engine::error::Result;
 use taotie_engine::image::{Bitmap, Sampler, Texture};
@@ -73,24 +75,19 @@ pub(in crate::asset) fn bake_maps(
 }
 
 fn cage(rays: &Rays, low: &LowPoly, scan: &Scan) -> Result<Cage> {
+    let groups = || low.groups.clone();
     match rays {
-        Rays::Auto => Ok(Cage::automatic(&low.shape(), scan.sorted())),
-        Rays::Uniform(distance) => Cage::uniform(&low.shape(), *distance as f32),
+        Rays::Auto => Ok(Cage::automatic_in(&low.shape(), scan.sorted(), groups())),
+        Rays::Uniform(distance) => Ok(Cage::uniform(&low.shape(), *distance as f32)?.with_groups(groups())),
         Rays::Cage(cage) => {
             let made = match &low.own {
                 Some(own) => Cage::from_mesh(&low.mesh, &cage.part(&own.triangles)?),
                 None => Cage::from_mesh(&low.mesh, &cage.mesh),
             };
-            made.map_err(|error| cage.named(error))
+            made.map(|made| made.with_groups(groups())).map_err(|error| cage.named(error))
         }
     }
 }
-
-/// The fraction of a map covered by banding above which normals are dithered.
-const MOST_BANDED: f64 = 0.05;
-
-/// The storage format of colours and factors.
-const DITHERED: Storage = Storage { bits: 8, dither: true };
 
 /// Baked maps, encoded for storage.
 ///
@@ -118,7 +115,7 @@ pub struct Textures {
     /// The radiance of white in `emission`.
     pub strength: f32,
     /// Which of the three are in `orm`.
-    pub has: MapPresence,
+    pub(in crate::asset) has: MapPresence,
     /// Maps that glTF has no slot for.
     pub separate: Vec<SeparateMap>,
     /// The places where projection rays missed; `None` if none did.
@@ -128,112 +125,37 @@ pub struct Textures {
 }
 
 /// The channels in use of an occlusion, roughness and metallic texture.
-///
-/// ```
-/// use taotie::asset::MapPresence;
-///
-/// /// Returns the meaning of each channel.
-/// fn channels(has: MapPresence) -> [&'static str; 3] {
-///     let of = |is: bool, name: &'static str| if is { name } else { "" };
-///     let [roughness, metallic] = ["roughness", "metallic"].map(|name| of(has.roughness, name));
-///     [of(has.occlusion, "occlusion"), roughness, metallic]
-/// }
-/// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct MapPresence {
+pub(in crate::asset) struct MapPresence {
     /// Red is occlusion.
     pub occlusion: bool,
     /// Green is roughness, and blue is metallic: the scan's, or that of the material if the scan's is not baked.
     pub roughness: bool,
 }
 
-/// A map for a separate file.
-///
-/// ```
-/// use taotie::asset::SeparateMap;
-/// use taotie_engine::bake::MapKind;
-///
-/// /// Returns the height map of an asset, if one was baked.
-/// fn height(files: &[SeparateMap]) -> Option<&SeparateMap> {
-///     files.iter().find(|file| file.map == MapKind::Height)
-/// }
-/// ```
-#[derive(Debug, Clone)]
-#[non_exhaustive]
-pub struct SeparateMap {
-    /// The kind of map.
-    pub map: MapKind,
-    /// Its texels.
-    pub bitmap: Bitmap,
-    /// The values of its black and white, if it stores numbers.
-    pub range: Option<Range>,
-}
-
-/// The values of black and white.
-///
-/// ```
-/// use taotie::asset::Range;
-///
-/// /// Returns the value of a texel with this `code`, [0, 1].
-/// fn number(range: &Range, code: f64) -> f64 {
-///     range.black + code * (range.white - range.black)
-/// }
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub struct Range {
-    /// The value of black.
-    pub black: f64,
-    /// The value of white.
-    pub white: f64,
-    /// The unit of both.
-    pub unit: &'static str,
-}
-
 impl Textures {
     /// Stores the baked maps; roughness is stored with the low-poly mesh's metalness if no other was baked.
     fn new(maps: &BakedMaps, options: &BakeOptions, Pair { scan, low }: Pair<'_>) -> Result<Self> {
         let mut textures = Self { misses: Misses::of(maps), stored: stored(options), ..Self::default() };
-        let storage = |normals: &[[f32; 3]]| Storage {
-            bits: options.bits,
-            dither: is_dithered(maps, normals, options),
-        };
-        if !maps.normal.is_empty() {
-            let (size, storage) = (maps.size(), storage(&maps.normal));
-            match options.space {
-                NormalSpace::Tangent => {
-                    let code = |texel: usize| tangent_code(maps.normal[texel], options.bits);
-                    textures.normal = Some(store_codes(size, code, 3, storage)?);
-                }
-                NormalSpace::Object => {
-                    let bitmap = store_unit_vectors(size, &maps.normal, storage)?;
-                    textures.separate.push(SeparateMap { map: MapKind::Normal, bitmap, range: None })
-                }
-            }
+        let separate = Separate { maps, options, scan };
+        if maps.has(Plane::Normal) && options.space == NormalSpace::Tangent {
+            let normals = maps.vectors(Plane::Normal);
+            let code = |texel: usize| tangent_code(normals[texel], options.bits);
+            textures.normal = Some(store_codes(maps.size(), code, 3, separate.storage(normals))?);
         }
-        if !maps.albedo.is_empty() {
+        if maps.has(Plane::Albedo) {
             textures.color = Some(color(maps)?);
         }
-        if !maps.emission.is_empty() {
+        if maps.has(Plane::Emission) {
             textures.strength = strength(maps);
             textures.emission = Some(emission(maps, textures.strength)?);
         }
         textures.has =
-            MapPresence { occlusion: !maps.occlusion.is_empty(), roughness: !maps.roughness.is_empty() };
+            MapPresence { occlusion: maps.has(Plane::Occlusion), roughness: maps.has(Plane::Roughness) };
         if textures.has != MapPresence::default() {
             textures.orm = Some(orm(maps, low)?);
         }
-        if !maps.bent.is_empty() {
-            let bitmap = store_unit_vectors(maps.size(), &maps.bent, storage(&maps.bent))?;
-            textures.separate.push(SeparateMap { map: MapKind::Bent, bitmap, range: None });
-        }
-        let [length, curvature] = units(scan.unit());
-        let numbers =
-            [(MapKind::Height, &maps.heights, length), (MapKind::Curvature, &maps.curvature, curvature)];
-        for (map, plane, unit) in numbers.into_iter().filter(|(_, plane, _)| !plane.is_empty()) {
-            textures.separate.push(of_numbers(map, maps, plane, unit)?);
-        }
+        textures.separate = separate.all()?;
         Ok(textures)
     }
 
@@ -245,9 +167,9 @@ impl Textures {
         kept: &'a KeptTextures,
     ) -> GltfMaterial<'a> {
         let color = self.color.as_ref().or(kept.color.as_ref());
-        let orm = self.has.roughness.then_some(self.orm.as_ref()).flatten();
+        let orm = self.roughness_texture();
         let mr = orm.or(kept.metallic_roughness.as_ref());
-        let occlusion = self.has.occlusion.then_some(self.orm.as_ref()).flatten().or(kept.occlusion.as_ref());
+        let occlusion = self.occlusion_texture().or(kept.occlusion.as_ref());
         let emission = self.emission.as_ref();
         GltfMaterial {
             name: &base.name,
@@ -268,6 +190,16 @@ impl Textures {
         }
     }
 
+    /// Returns the texture whose green is roughness and whose blue is metalness.
+    pub(in crate::asset) fn roughness_texture(&self) -> Option<&Bitmap> {
+        self.orm.as_ref().filter(|_| self.has.roughness)
+    }
+
+    /// Returns the texture whose red is occlusion.
+    pub(in crate::asset) fn occlusion_texture(&self) -> Option<&Bitmap> {
+        self.orm.as_ref().filter(|_| self.has.occlusion)
+    }
+
     /// Returns the factors of the base colour: those of `base`, except for what was baked.
     fn base_color(&self, [r, g, b, a]: [f32; 4]) -> [f32; 4] {
         let factors = match &self.color {
@@ -280,34 +212,20 @@ impl Textures {
 
     /// Returns the maps inside the asset, each with the texture that stores it.
     pub fn inside(&self) -> impl Iterator<Item = (MapKind, &Bitmap)> {
-        let orm = |is: bool| self.orm.as_ref().filter(|_| is);
         let maps = [
             (MapKind::Normal, self.normal.as_ref()),
             (MapKind::Albedo, self.color.as_ref()),
-            (MapKind::Occlusion, orm(self.has.occlusion)),
-            (MapKind::Roughness, orm(self.has.roughness)),
-            (MapKind::MetallicRoughness, orm(self.has.roughness)),
+            (MapKind::Occlusion, self.occlusion_texture()),
+            (MapKind::Roughness, self.roughness_texture()),
+            (MapKind::MetallicRoughness, self.roughness_texture()),
             (MapKind::Emission, self.emission.as_ref()),
             (MapKind::Alpha, self.color.as_ref()),
-            (MapKind::OcclusionMap, orm(self.has.occlusion)),
+            (MapKind::OcclusionMap, self.occlusion_texture()),
         ];
         let stored = self.stored;
         let inside = maps.into_iter().filter(move |(map, _)| stored.has(*map));
         inside.filter_map(|(map, bitmap)| Some((map, bitmap?)))
     }
-}
-
-impl SeparateMap {
-    /// Returns the map's file next to the model `path`, such as `scan.height.png` next to `scan.glb`; it is named
-    /// after the material if `label` is not empty.
-    pub(in crate::asset) fn file(&self, label: &str, path: &Path) -> PathBuf {
-        path.with_extension(labeled(label, &format!("{}.png", self.map.name())))
-    }
-}
-
-/// Returns a name prefixed with the label of its material, if it has one.
-pub(in crate::asset) fn labeled(label: &str, name: &str) -> String {
-    if label.is_empty() { name.to_owned() } else { format!("{label}.{name}") }
 }
 
 /// Returns the maps stored in textures of an asset. Ray-traced occlusion overrides that of a texture.
@@ -316,132 +234,50 @@ fn stored(options: &BakeOptions) -> Maps {
     options.maps.iter().copied().filter(|map| !(rays && *map == MapKind::OcclusionMap)).collect()
 }
 
-/// Returns `true` if 8-bit normals would show banding on gentle curves, and the bake is not a search, which compares
-/// sizes.
-fn is_dithered(maps: &BakedMaps, normals: &[[f32; 3]], options: &BakeOptions) -> bool {
-    let is_covered = |i: usize| maps.texels[i] != TexelStatus::Free;
-    let map = CoveredNormals { size: maps.size(), normals, is_covered: &is_covered };
-    options.bits == 8 && !options.searches() && map.banded_share() > MOST_BANDED
-}
-
 fn color(maps: &BakedMaps) -> Result<Bitmap> {
-    let codes = |i: usize| maps.albedo[i].map(srgb_code);
-    if maps.alpha.is_empty() {
+    let codes = |i: usize| maps.vectors(Plane::Albedo)[i].map(srgb_code);
+    if !maps.has(Plane::Alpha) {
         return store_codes(maps.size(), codes, 3, DITHERED);
     }
     let with_alpha = |i: usize| {
         let [r, g, b] = codes(i);
-        [r, g, b, maps.alpha[i]]
+        [r, g, b, maps.numbers(Plane::Alpha)[i]]
     };
     store_rgba(maps.size(), with_alpha, DITHERED)
 }
 
-fn srgb_code(linear: f32) -> f32 {
-    srgb_from_linear(f64::from(linear.clamp(0.0, 1.0))) as f32
-}
-
 /// Returns the maximum radiance of any channel over texels covered by a triangle, at least 1.
 fn strength(maps: &BakedMaps) -> f32 {
-    let covered = maps.texels.iter().zip(&maps.emission).filter(|(texel, _)| **texel != TexelStatus::Free);
+    let covered = maps
+        .texels
+        .iter()
+        .zip(maps.vectors(Plane::Emission))
+        .filter(|(texel, _)| **texel != TexelStatus::Free);
     covered.flat_map(|(_, radiance)| radiance).fold(1.0, |most: f32, v| most.max(*v))
 }
 
 fn emission(maps: &BakedMaps, strength: f32) -> Result<Bitmap> {
-    let codes = |i: usize| maps.emission[i].map(|v| srgb_code(v / strength));
+    let codes = |i: usize| maps.vectors(Plane::Emission)[i].map(|v| srgb_code(v / strength));
     store_codes(maps.size(), codes, 3, DITHERED)
 }
 
 fn orm(maps: &BakedMaps, low: &LowPoly) -> Result<Bitmap> {
-    let occlusion = |i: usize| maps.occlusion.get(i).copied().unwrap_or(1.0);
-    if maps.roughness.is_empty() {
+    let occlusion = |i: usize| maps.numbers(Plane::Occlusion).get(i).copied().unwrap_or(1.0);
+    if !maps.has(Plane::Roughness) {
         return store_codes(maps.size(), |i| [occlusion(i); 3], 1, DITHERED);
     }
-    if !maps.metallic.is_empty() {
-        let codes = |i: usize| [occlusion(i), maps.roughness[i], maps.metallic[i]];
+    if maps.has(Plane::Metallic) {
+        let codes =
+            |i: usize| [occlusion(i), maps.numbers(Plane::Roughness)[i], maps.numbers(Plane::Metallic)[i]];
         return store_codes(maps.size(), codes, 3, DITHERED);
     }
     let metalness = Metalness::of(&low.material, &low.kept, maps.size());
-    store_codes(maps.size(), |i| [occlusion(i), maps.roughness[i], metalness.at(i)], 3, DITHERED)
-}
-
-/// Returns the units of a scan's lengths and curvatures.
-fn units(unit: Option<Unit>) -> [&'static str; 2] {
-    match unit {
-        None => ["model units", "1 / model unit"],
-        Some(Unit::Millimetre) => ["mm", "1 / mm"],
-        Some(Unit::Centimetre) => ["cm", "1 / cm"],
-        Some(Unit::Metre) => ["m", "1 / m"],
-        Some(Unit::Inch) => ["in", "1 / in"],
-    }
-}
-
-/// Creates a 16-bit map of numbers.
-fn of_numbers(map: MapKind, maps: &BakedMaps, plane: &[f32], unit: &'static str) -> Result<SeparateMap> {
-    let [black, white] = range(map, maps, plane);
-    let number = |v: f32| (v - black) / (white - black);
-    let fine = Storage { bits: 16, dither: false };
-    let bitmap = store_codes(maps.size(), |i| [number(plane[i]); 3], 1, fine)?;
-    let range = Range { black: f64::from(black), white: f64::from(white), unit };
-    Ok(SeparateMap { map, bitmap, range: Some(range) })
-}
-
-/// Returns the values of black and white: for heights, the minimum and maximum; for curvature, a symmetric range that
-/// covers all but one per cent of the texels.
-fn range(map: MapKind, maps: &BakedMaps, plane: &[f32]) -> [f32; 2] {
-    let mut covered = maps.covered(plane);
-    covered.sort_unstable_by(f32::total_cmp);
-    let (Some(least), Some(most)) = (covered.first(), covered.last()) else { return [0.0, 1.0] };
-    let [low, high] = match map {
-        MapKind::Curvature => {
-            let rank = |part: f64| covered[((covered.len() - 1) as f64 * part) as usize].abs();
-            let most = rank(0.005).max(rank(0.995));
-            [-most, most]
-        }
-        _ => [*least, *most],
-    };
-    if high > low { [low, high] } else { [low, low + 1.0] }
-}
-
-/// The maximum number of texels along the longer side.
-const SIDE: usize = 1024;
-
-/// The places where projection rays missed the scan, downscaled for viewing: the status of a map's texels, the worst
-/// of each block, so that even a single miss is visible.
-///
-/// ```
-/// use taotie::asset::Misses;
-/// use taotie_engine::bake::TexelStatus;
-///
-/// /// Returns the number of blocks for which nothing was found.
-/// fn lost(misses: &Misses) -> usize {
-///     misses.texels.iter().filter(|texel| **texel == TexelStatus::Lost).count()
-/// }
-/// ```
-#[derive(Debug, Clone, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct Misses {
-    /// Blocks across.
-    pub width: usize,
-    /// Blocks down.
-    pub height: usize,
-    /// Row by row from the top.
-    pub texels: Vec<TexelStatus>,
-}
-
-impl Misses {
-    /// Examines the map; `None` if no ray missed.
-    fn of(maps: &BakedMaps) -> Option<Self> {
-        let [width, height] = maps.size().map(|side| side as usize);
-        maps.texels.iter().find(|texel| matches!(texel, TexelStatus::Closest | TexelStatus::Lost))?;
-        let step = width.max(height).div_ceil(SIDE);
-        let (across, down) = (width / step, height / step);
-        let worst = |i: usize| {
-            let (x, y) = (i % across * step, i / across * step);
-            let block = (y..y + step).flat_map(|y| maps.texels[y * width + x..][..step].iter());
-            block.copied().max_by_key(|texel| *texel as u8).unwrap_or_default()
-        };
-        Some(Self { width: across, height: down, texels: (0..across * down).map(worst).collect() })
-    }
+    store_codes(
+        maps.size(),
+        |i| [occlusion(i), maps.numbers(Plane::Roughness)[i], metalness.at(i)],
+        3,
+        DITHERED,
+    )
 }
 
 /// Returns a tangent-space normal as stored: (n + 1)/2. Readers raise normals below the surface to it, so these are
@@ -475,6 +311,234 @@ pub(in crate::asset) fn assign_object_map(
     })
 }
 
+/// The fraction of a map covered by banding above which normals are dithered.
+const MOST_BANDED: f64 = 0.05;
+
+/// The storage format of colours and factors.
+const DITHERED: Storage = Storage { bits: 8, dither: true };
+
+/// A map for a separate file.
+///
+/// ```
+/// use taotie::asset::SeparateMap;
+/// use taotie_engine::bake::MapKind;
+///
+/// /// Returns the height map of an asset, if one was baked.
+/// fn height(files: &[SeparateMap]) -> Option<&SeparateMap> {
+///     files.iter().find(|file| file.map == MapKind::Height)
+/// }
+/// ```
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct SeparateMap {
+    /// The kind of map.
+    pub map: MapKind,
+    /// Its texels.
+    pub bitmap: Bitmap,
+    /// The values of its black and white, if it stores numbers.
+    pub range: Option<Range>,
+    /// The point that positions are relative to, in the scan's space and unit.
+    pub origin: Option<[f64; 3]>,
+    /// The colours of materials or objects, as `#rrggbb` in sRGB, by their names.
+    pub legend: BTreeMap<String, String>,
+}
+
+/// The values of black and white.
+///
+/// ```
+/// use taotie::asset::Range;
+///
+/// /// Returns the value of a texel with this `code`, [0, 1].
+/// fn number(range: &Range, code: f64) -> f64 {
+///     range.black + code * (range.white - range.black)
+/// }
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Range {
+    /// The value of black.
+    pub black: f64,
+    /// The value of white.
+    pub white: f64,
+    /// The unit of both.
+    pub unit: &'static str,
+}
+
+impl SeparateMap {
+    /// Takes a map whose codes need no explanation.
+    pub(in crate::asset) fn plain(map: MapKind, bitmap: Bitmap) -> Self {
+        Self { map, bitmap, range: None, origin: None, legend: BTreeMap::new() }
+    }
+
+    /// Returns the map's file next to the model `path`, such as `scan.height.png` next to `scan.glb`; it is named
+    /// after the material if `label` is not empty.
+    pub(in crate::asset) fn file(&self, label: &str, path: &Path) -> PathBuf {
+        path.with_extension(labeled(label, &format!("{}.png", self.map.name())))
+    }
+}
+
+/// Returns a name prefixed with the label of its material, if it has one.
+pub(in crate::asset) fn labeled(label: &str, name: &str) -> String {
+    if label.is_empty() { name.to_owned() } else { format!("{label}.{name}") }
+}
+
+/// The contents of separate maps.
+struct Separate<'a> {
+    pub maps: &'a BakedMaps,
+    pub options: &'a BakeOptions,
+    pub scan: &'a Scan,
+}
+
+impl Separate<'_> {
+    /// Returns all requested separate maps, directions first.
+    pub fn all(&self) -> Result<Vec<SeparateMap>> {
+        let wanted: Maps = self.options.maps.iter().copied().collect();
+        let is_separate = |map: &MapKind| {
+            map.is_separate() || *map == MapKind::Normal && self.options.space == NormalSpace::Object
+        };
+        let is_direction = |map: &MapKind| map.content() == MapContent::Direction;
+        let (directions, others): (Vec<_>, Vec<_>) =
+            wanted.iter().filter(is_separate).partition(is_direction);
+        directions.into_iter().chain(others).map(|map| self.stored(map)).collect()
+    }
+
+    fn stored(&self, map: MapKind) -> Result<SeparateMap> {
+        let plane = map.planes()[0];
+        let (size, vectors) = (self.maps.size(), self.maps.vectors(plane));
+        let of = |bitmap| SeparateMap::plain(map, bitmap);
+        Ok(match map.content() {
+            MapContent::Direction => of(store_unit_vectors(size, vectors, self.storage(vectors))?),
+            MapContent::Color => of(store_codes(size, |i| vectors[i].map(srgb_code), 3, DITHERED)?),
+            MapContent::Fraction => of(store_codes(size, |i| [self.maps.numbers(plane)[i]; 3], 1, DITHERED)?),
+            MapContent::Label => {
+                let codes =
+                    |i: usize| label_color(self.maps.numbers(plane)[i] as u32).map(|v| f32::from(v) / 255.0);
+                let bitmap = store_codes(size, codes, 3, Storage { bits: 8, dither: false })?;
+                SeparateMap { legend: self.legend(map), ..of(bitmap) }
+            }
+            MapContent::Length if map == MapKind::Position => self.positions()?,
+            MapContent::Length => self.of_numbers(map)?,
+        })
+    }
+
+    /// Returns the storage of normals, dithered if 8 bits would show banding on gentle curves and the bake is not a
+    /// search, which compares sizes.
+    pub fn storage(&self, normals: &[[f32; 3]]) -> Storage {
+        let is_covered = |i: usize| self.maps.texels[i] != TexelStatus::Free;
+        let map = CoveredNormals { size: self.maps.size(), normals, is_covered: &is_covered };
+        let bits = self.options.bits;
+        let dither = bits == 8 && !self.options.searches() && map.banded_share() > MOST_BANDED;
+        Storage { bits, dither }
+    }
+
+    /// Creates a 16-bit map of numbers.
+    fn of_numbers(&self, map: MapKind) -> Result<SeparateMap> {
+        let (maps, plane) = (self.maps, map.planes()[0]);
+        let [black, white] = range(map, maps);
+        let numbers = maps.numbers(plane);
+        let number = |i: usize| [(numbers[i] - black) / (white - black); 3];
+        let bitmap = store_codes(maps.size(), number, 1, FINE)?;
+        let [length, curvature] = units(self.scan.unit());
+        let unit = if map == MapKind::Curvature { curvature } else { length };
+        let range = Range { black: f64::from(black), white: f64::from(white), unit };
+        Ok(SeparateMap { range: Some(range), ..SeparateMap::plain(map, bitmap) })
+    }
+
+    /// Creates a 16-bit map of positions relative to the centre of the scan, with one range for all axes.
+    fn positions(&self) -> Result<SeparateMap> {
+        let positions = self.maps.vectors(Plane::Position);
+        let covered =
+            positions.iter().zip(&self.maps.texels).filter(|(_, texel)| **texel != TexelStatus::Free);
+        let (mut least, mut most) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+        for (axis, v) in covered.flat_map(|(position, _)| position.iter().enumerate()) {
+            least[axis] = least[axis].min(*v);
+            most[axis] = most[axis].max(*v);
+        }
+        let is_any = least[0] <= most[0];
+        let center =
+            std::array::from_fn(
+                |k| if is_any { (f64::from(least[k]) + f64::from(most[k])) / 2.0 } else { 0.0 },
+            );
+        let half = (0..3).map(|k| f64::from(most[k]) - center[k]).fold(f64::MIN_POSITIVE, f64::max);
+        let code = |i: usize| {
+            std::array::from_fn(|k| (0.5 + (f64::from(positions[i][k]) - center[k]) / (2.0 * half)) as f32)
+        };
+        let bitmap = store_codes(self.maps.size(), code, 3, FINE)?;
+        let [unit, _] = units(self.scan.unit());
+        let range = Some(Range { black: -half, white: half, unit });
+        Ok(SeparateMap { range, origin: Some(center), ..SeparateMap::plain(MapKind::Position, bitmap) })
+    }
+
+    /// Returns the colours of the materials or objects in a map, by their names. Those without a separate name have
+    /// their kind and number.
+    fn legend(&self, map: MapKind) -> BTreeMap<String, String> {
+        let (kind, names) = match map {
+            MapKind::MaterialId => ("material", self.scan.surface().material_names()),
+            _ => ("object", self.scan.about.objects.clone()),
+        };
+        let mut legend = BTreeMap::new();
+        let numbers: BTreeSet<u32> =
+            self.maps.covered(map.planes()[0]).into_iter().map(|v| v as u32).collect();
+        for number in numbers {
+            let named =
+                names.get(number as usize).filter(|name| !name.is_empty() && !legend.contains_key(*name));
+            let name = named.cloned().unwrap_or_else(|| format!("{kind} {number}"));
+            let [r, g, b] = label_color(number);
+            legend.insert(name, format!("#{r:02x}{g:02x}{b:02x}"));
+        }
+        legend
+    }
+}
+
+/// Numbers in 16 bits.
+const FINE: Storage = Storage { bits: 16, dither: false };
+
+/// Returns the colour of the thing with this number, sRGB codes: bright, and far from those of its neighbours.
+///
+/// Source: Roberts 2018, "The unreasonable effectiveness of quasirandom sequences", R3, in integers.
+fn label_color(number: u32) -> [u8; 3] {
+    /// 2³² over powers of the root of x⁴ = x + 1.
+    const STEPS: [u32; 3] = [3_518_319_155, 2_882_110_345, 2_360_945_575];
+    const DARKEST: u64 = 48;
+    STEPS.map(|step| {
+        let fraction = u64::from(number.wrapping_add(1).wrapping_mul(step));
+        (DARKEST + ((fraction * (256 - DARKEST)) >> 32)) as u8
+    })
+}
+
+/// Returns the sRGB code of linear light.
+fn srgb_code(linear: f32) -> f32 {
+    srgb_from_linear(f64::from(linear.clamp(0.0, 1.0))) as f32
+}
+
+/// Returns the units of a scan's lengths and curvatures.
+fn units(unit: Option<Unit>) -> [&'static str; 2] {
+    match unit {
+        None => ["model units", "1 / model unit"],
+        Some(Unit::Millimetre) => ["mm", "1 / mm"],
+        Some(Unit::Centimetre) => ["cm", "1 / cm"],
+        Some(Unit::Metre) => ["m", "1 / m"],
+        Some(Unit::Inch) => ["in", "1 / in"],
+    }
+}
+
+/// Returns the values of black and white: the minimum and maximum; for curvature, a symmetric range that covers all but
+/// one per cent of the texels.
+fn range(map: MapKind, maps: &BakedMaps) -> [f32; 2] {
+    let mut covered = maps.covered(map.planes()[0]);
+    covered.sort_unstable_by(f32::total_cmp);
+    let (Some(least), Some(most)) = (covered.first(), covered.last()) else { return [0.0, 1.0] };
+    let [low, high] = match map {
+        MapKind::Curvature => {
+            let rank = |part: f64| covered[((covered.len() - 1) as f64 * part) as usize].abs();
+            let most = rank(0.005).max(rank(0.995));
+            [-most, most]
+        }
+        _ => [*least, *most],
+    };
+    if high > low { [low, high] } else { [low, low + 1.0] }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -494,6 +558,18 @@ mod tests {
                 let below = read(encode_normal(Vec3::from_array(normal)).to_array());
                 assert!(read([r, g, b]).dot(below) > 0.9995, "{normal:?}: as readers raise it");
             }
+        }
+    }
+    use std::collections::HashSet;
+
+    #[test]
+    fn things_have_different_colours() {
+        let colors: HashSet<[u8; 3]> = (0..2000).map(label_color).collect();
+        assert_eq!(colors.len(), 2000);
+        let apart = |a: [u8; 3], b: [u8; 3]| a.iter().zip(b).map(|(a, b)| a.abs_diff(b)).max().unwrap_or(0);
+        let first: Vec<[u8; 3]> = (0..12).map(label_color).collect();
+        for (i, a) in first.iter().enumerate() {
+            assert!(first[..i].iter().all(|b| apart(*a, *b) > 30), "{i}: {a:?}");
         }
     }
 }

@@ -246,11 +246,7 @@ fn most(images: TextureCodecs, of: fn(Coding) -> u64) -> u64 {
 
 /// Bytes per texel over all maps: floats during baking, codes afterwards, and the buffers for filling.
 fn texel_bytes(options: &BakeOptions, carries: Maps) -> u64 {
-    let floats = |map: MapKind| match map {
-        MapKind::Normal | MapKind::Albedo | MapKind::Bent | MapKind::Emission => 12,
-        MapKind::MetallicRoughness => 8,
-        _ => 4,
-    };
+    let floats = |map: MapKind| map.planes().iter().map(|plane| 4 * plane.channels() as u64).sum::<u64>();
     let codes = codes(options);
     8 + maps(options, carries).iter().map(|map| floats(map) + codes).sum::<u64>()
 }

@@ -8,8 +8,9 @@ mod plan;
 
 pub use asset::{Asset, Trial};
 pub(super) use asset::{Coarser, LevelLook, Made, MadeAsset, Part, Rounding};
+pub use judgement::Misses;
 pub(super) use judgement::{INSIDE_OUT, percent, refuse_astray, useless_map};
-pub use maps::{MapPresence, Misses, Range, SeparateMap, Textures};
+pub use maps::{Range, SeparateMap, Textures};
 pub(super) use maps::{Recipe, StoredMaps, assign_object_map, bake_maps, labeled};
 pub use memory::MemoryEstimate;
 pub use plan::DroppedProperty;

@@ -308,9 +308,7 @@ pub(super) fn unseen([scan, asset]: [&Scene; 2], poses: bool) -> Vec<String> {
 
 /// Returns the maps next to an asset that are not compared with anything.
 pub(super) fn unproved_maps(maps: &[MapKind]) -> Vec<String> {
-    let blind =
-        [(MapKind::Bent, "bent normals"), (MapKind::Height, "heights"), (MapKind::Curvature, "curvature")];
-    blind.into_iter().filter(|(map, _)| maps.contains(map)).map(|(_, what)| what.to_owned()).collect()
+    maps.iter().filter(|map| map.is_separate()).map(|map| format!("{} map", map.name())).collect()
 }
 
 #[cfg(test)]
@@ -426,6 +424,6 @@ mod tests {
         assert_eq!(unseen([&plain, &plain], false), [plainly]);
         assert_eq!(unseen([&coated, &plain], false), ["clearcoat"]);
         assert_eq!(unseen([&plain, &plain], true)[1], "poses: an animated asset is compared at rest");
-        assert_eq!(unproved_maps(&[MapKind::Normal, MapKind::Height]), ["heights"]);
+        assert_eq!(unproved_maps(&[MapKind::Normal, MapKind::Height]), ["height map"]);
     }
 }

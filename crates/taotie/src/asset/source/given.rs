@@ -3,11 +3,14 @@
 
 use super::low_file::{self, Document, Read, shown_materials};
 use super::low_material::{LowLook, Stripped, note_samplers};
-use super::low_poly::{CageMesh, KeptMaterial, KeptTextures, LowPoly, Origin, Rays, framed, unwrapped};
+use super::low_poly::{
+    CageMesh, Groups, KeptMaterial, KeptTextures, LowPoly, Origin, Rays, framed, unwrapped,
+};
 use super::scan::Scan;
 use crate::asset::ask::{BakeOptions, MeshSource, NEEDS_UVS, RayDistance, SQUARE};
 use std::path::PathBuf;
-use taotie_engine::bake::{self, MapKind};
+use std::sync::Arc;
+use taotie_engine::bake::{self, CageGroups, MapKind};
 use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::mesh::{Mesh, MeshData};
 use taotie_engine::progress::Progress;
@@ -42,7 +45,11 @@ impl Inputs {
             Some(source) => {
                 let reading = progress.begin("read the low-poly mesh")?;
                 let read = reader.read(source)?;
-                let given = GivenMesh::of(options, source, read, &mut reader.warnings)?;
+                let groups = match options.by_name {
+                    true => Groups::matched(&read.objects, &scan.about.objects, &mut reader.warnings),
+                    false => None,
+                };
+                let given = GivenMesh::of(options, source, read, &mut reader.warnings)?.with_groups(groups);
                 reading.at(1.0)?;
                 Some(given)
             }
@@ -82,6 +89,7 @@ pub(in crate::asset) struct GivenMesh {
     /// One for each material that is kept, at least one.
     parts: Vec<GivenPart>,
     document: Option<Document>,
+    groups: Option<Groups>,
 }
 
 /// The triangles of a low-poly mesh with one material.
@@ -99,6 +107,8 @@ pub(in crate::asset) struct Taken {
     pub material: Material,
     pub kept: KeptTextures,
     pub own: Option<KeptMaterial>,
+    /// The objects of the scan that its triangles show, and the names of the groups; `None` for all.
+    groups: Option<(CageGroups, Vec<String>)>,
 }
 
 impl GivenMesh {
@@ -120,6 +130,11 @@ impl GivenMesh {
         }
     }
 
+    /// Makes its objects show only those of the scan with the same name.
+    fn with_groups(self, groups: Option<Groups>) -> Self {
+        Self { groups, ..self }
+    }
+
     /// Merges all of a scene into one mesh with its first material.
     fn of_one(scene: Scene, warnings: &mut Warnings) -> Self {
         let used: Vec<usize> = scene.instances().iter().map(|instance| instance.material).collect();
@@ -128,7 +143,7 @@ impl GivenMesh {
         }
         let mut material = used.first().and_then(|m| scene.materials().get(*m)).cloned().unwrap_or_default();
         let stripped = Stripped::off(&mut material, &scene);
-        Self { scene, parts: vec![GivenPart { material, stripped, own: None }], document: None }
+        Self { scene, parts: vec![GivenPart { material, stripped, own: None }], document: None, groups: None }
     }
 
     /// Takes the materials of a kept file.
@@ -147,17 +162,14 @@ impl GivenMesh {
             1 => None,
             _ => Some(bake::framed_low_poly_mesh(scene.clone())?),
         };
-        Ok(Self { scene, parts, document: Some(Document { whole, ..document }) })
+        Ok(Self { scene, parts, document: Some(Document { whole, ..document }), groups: None })
     }
 
     /// Returns the appearance of each material.
     pub fn looks(&self) -> Vec<LowLook<'_>> {
         let meshes = self.scene.meshes();
-        let shows = |part: &GivenPart, instance: &Instance| {
-            part.own.as_ref().is_none_or(|own| own.number == instance.material)
-        };
         let has_colors = |part: &GivenPart| {
-            let mut own = self.scene.instances().iter().filter(|instance| shows(part, instance));
+            let mut own = self.scene.instances().iter().filter(|instance| part.shows(instance));
             own.any(|instance| !meshes[instance.mesh].colors().is_empty())
         };
         let parts = self.parts.iter();
@@ -191,7 +203,16 @@ impl GivenMesh {
     /// # Errors
     /// Those of [`bake::low_poly_mesh`].
     pub fn taken(self, options: &BakeOptions, warnings: &mut Warnings) -> Result<Vec<Taken>> {
-        let Self { scene, parts, .. } = self;
+        let Self { scene, parts, groups, .. } = self;
+        let groups_of = |part: &GivenPart| {
+            let groups = groups.as_ref()?;
+            let instances = scene.instances().iter().enumerate();
+            let own = instances.filter(|(_, instance)| part.shows(instance));
+            let triangles = |instance: &Instance| scene.meshes()[instance.mesh].triangles().len();
+            let of_mesh = groups.of_mesh(own.map(|(i, instance)| (i, triangles(instance))));
+            Some((of_mesh, groups.names.clone()))
+        };
+        let mut groups: Vec<_> = parts.iter().map(groups_of).collect();
         let mut scenes: Vec<Scene> = Vec::with_capacity(parts.len());
         for part in &parts {
             let mut own = scene.clone();
@@ -203,11 +224,18 @@ impl GivenMesh {
         // Lets a single mesh be taken without a copy.
         drop(scene);
         let taken = parts.into_iter().zip(scenes).map(|(part, scene)| part.taken(scene, options, warnings));
-        taken.collect()
+        let mut taken: Vec<Taken> = taken.collect::<Result<_>>()?;
+        taken.iter_mut().zip(groups.drain(..)).for_each(|(taken, groups)| taken.groups = groups);
+        Ok(taken)
     }
 }
 
 impl GivenPart {
+    /// Returns `true` if an instance has its material.
+    fn shows(&self, instance: &Instance) -> bool {
+        self.own.as_ref().is_none_or(|own| own.number == instance.material)
+    }
+
     fn taken(self, scene: Scene, options: &BakeOptions, warnings: &mut Warnings) -> Result<Taken> {
         let Self { mut material, stripped, own } = self;
         if let Some(own) = own {
@@ -216,7 +244,13 @@ impl GivenPart {
             let mesh = bake::framed_low_poly_mesh(scene)?;
             let drops_colors = !mesh.colors().is_empty() && options.bakes(&[MapKind::Albedo]);
             let mesh = uncolored(mesh, options, warnings)?;
-            return Ok(Taken { mesh, material, kept, own: Some(KeptMaterial { drops_colors, ..own }) });
+            return Ok(Taken {
+                mesh,
+                material,
+                kept,
+                own: Some(KeptMaterial { drops_colors, ..own }),
+                groups: None,
+            });
         }
         let kept = KeptTextures::of(&material, &scene);
         stripped.note(options, warnings);
@@ -224,7 +258,7 @@ impl GivenPart {
         leave_relief(&material, options, warnings);
         leave_alpha(&mut material, options, warnings);
         let mesh = uncolored(joined(scene, options)?, options, warnings)?;
-        Ok(Taken { mesh, material, kept, own: None })
+        Ok(Taken { mesh, material, kept, own: None, groups: None })
     }
 }
 
@@ -271,8 +305,9 @@ impl LowPoly {
         warnings: &mut Warnings,
         progress: Progress<'_>,
     ) -> Result<Self> {
-        let Taken { mesh, material, kept, own } = taken;
-        let mut origin = Origin::default();
+        let Taken { mesh, material, kept, own, groups } = taken;
+        let (groups, names) = groups.unzip();
+        let mut origin = Origin { groups: names.unwrap_or_default(), ..Origin::default() };
         let mesh = match mesh.uvs().is_empty() {
             false => mesh,
             true if options.keep_uvs => return Err(Error::invalid("standalone maps", NEEDS_UVS)),
@@ -282,7 +317,8 @@ impl LowPoly {
             true => unwrapped(&mesh, options.size, &mut origin, progress)?,
         };
         note_uvs(&mesh, warnings);
-        Ok(Self { mesh: framed(&mesh, progress)?, origin, material, kept, own })
+        let groups = groups.map(Arc::new);
+        Ok(Self { mesh: framed(&mesh, progress)?, origin, material, kept, own, groups })
     }
 }
 

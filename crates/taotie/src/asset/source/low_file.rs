@@ -33,6 +33,8 @@ pub(super) struct Read {
     pub has_xmp: bool,
     /// The names of its meshes; possibly fewer than meshes.
     pub names: Vec<String>,
+    /// The names of its objects; possibly fewer than instances.
+    pub objects: Vec<String>,
     /// The limits within which it was read.
     pub limits: Limits,
     /// All files that it was read from, the mesh file first; empty in memory.
@@ -67,9 +69,9 @@ fn as_it_is(source: &MeshSource, limits: Limits, warnings: &mut Warnings) -> Res
         MeshSource::Mesh(mesh) => {
             let scene = Scene::of_mesh(Mesh::clone(mesh), Material::default())?;
             check_extent(&scene, "the low-poly mesh")?;
-            let (names, files) = (Vec::new(), Vec::new());
+            let (names, objects, files) = (Vec::new(), Vec::new(), Vec::new());
             let (is_gltf, is_in_metres, has_xmp) = (false, false, false);
-            Ok(Read { scene, moving: None, is_gltf, is_in_metres, has_xmp, names, limits, files })
+            Ok(Read { scene, moving: None, is_gltf, is_in_metres, has_xmp, names, objects, limits, files })
         }
         MeshSource::File(path) => {
             let mut loaded = taotie_io::load_model_within(path, &limits)?;
@@ -85,6 +87,7 @@ fn as_it_is(source: &MeshSource, limits: Limits, warnings: &mut Warnings) -> Res
                 is_in_metres: false,
                 has_xmp,
                 names,
+                objects: loaded.object_names,
                 limits,
                 files,
             })
@@ -457,8 +460,9 @@ mod tests {
             ..SceneData::default()
         });
         let (scene, limits) = (scene.unwrap(), Limits::default());
-        let (names, files) = (Vec::new(), Vec::new());
-        Read { scene, moving: None, is_gltf: true, is_in_metres: false, has_xmp: false, names, limits, files }
+        let (is_in_metres, has_xmp) = (false, false);
+        let (names, objects, files) = (Vec::new(), Vec::new(), Vec::new());
+        Read { scene, moving: None, is_gltf: true, is_in_metres, has_xmp, names, objects, limits, files }
     }
 
     fn hindrance(read: &Read, options: &BakeOptions) -> String {

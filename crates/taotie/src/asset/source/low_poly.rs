@@ -1,11 +1,14 @@
-//! The low-poly mesh that is baked onto, with its cage: given, or generated from the scan.
+//! The low-poly mesh that is baked onto, given or generated from the scan, with its cage and the groups of objects that
+//! show each other: `wheel_low` of the low-poly mesh shows only `wheel_high` of the scan.
 
 use super::scan::Scan;
 use crate::asset::ask::{BakeOptions, MeshSource};
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::ops::Range;
+use std::sync::Arc;
 use taotie_engine::bake::{
-    self, MapKind, Shells, Simplified, SimplifyMethod, SimplifyOptions, UnwrapOptions,
+    self, CageGroups, MapKind, Shells, Simplified, SimplifyMethod, SimplifyOptions, UnwrapOptions,
 };
 use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::image::Bitmap;
@@ -24,6 +27,8 @@ pub(in crate::asset) struct LowPoly {
     pub kept: KeptTextures,
     /// The material of the kept file; `None` if the asset is written from scratch.
     pub own: Option<KeptMaterial>,
+    /// The objects of the scan that its triangles show; `None` for all.
+    pub groups: Option<Arc<CageGroups>>,
 }
 
 /// The origin of a low-poly mesh.
@@ -50,6 +55,9 @@ pub struct Origin {
     pub simplified: Option<Simplification>,
     /// UV islands of the atlas, if uvs were generated.
     pub islands: Option<usize>,
+    /// Groups of objects that were matched by name, if any.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub groups: Vec<String>,
 }
 
 /// The simplification of a scan.
@@ -123,13 +131,14 @@ impl LowPoly {
             material: scan.about.carried.material.clone(),
             kept: KeptTextures::default(),
             own: None,
+            groups: None,
         }
     }
 
     /// Takes the triangles of a packed scan.
     pub fn packed(mesh: Mesh) -> Self {
         let (origin, material) = (Origin { is_scan: true, ..Origin::default() }, Material::default());
-        Self { mesh, origin, material, kept: KeptTextures::default(), own: None }
+        Self { mesh, origin, material, kept: KeptTextures::default(), own: None, groups: None }
     }
 
     /// Returns the mesh from which the scan is searched for: without its normals if they were fitted, since those of
@@ -297,5 +306,113 @@ impl CageMesh {
             (Some(path), Error::Invalid { what, why }) => Error::invalid(format!("{path}: {what}"), why),
             (_, error) => error,
         }
+    }
+}
+
+/// The parts of names that separate a group's name from what follows, in any case.
+const LOW: &str = "_low";
+const HIGH: &str = "_high";
+
+/// The objects of a scan that each object of a low-poly mesh shows.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(in crate::asset) struct Groups {
+    /// The names of the groups, sorted.
+    pub names: Vec<String>,
+    /// The group of each object of the low-poly mesh, an index into `names`; their number for those that show the
+    /// whole scan.
+    of_low: Vec<usize>,
+    /// A flag per object of the scan for each group, and for the whole scan.
+    objects: Vec<Vec<bool>>,
+}
+
+impl Groups {
+    /// Matches objects by their names; `None` if no name of the low-poly mesh has a counterpart, or if all objects
+    /// are one group. Objects without a counterpart are noted.
+    pub fn matched(low: &[String], high: &[String], warnings: &mut Warnings) -> Option<Self> {
+        let of_high: Vec<Option<String>> = high.iter().map(|name| group(name, HIGH)).collect();
+        let of_low: Vec<Option<String>> = low.iter().map(|name| group(name, LOW)).collect();
+        let named: BTreeSet<&String> = of_high.iter().flatten().collect();
+        let shared: BTreeSet<&String> = of_low.iter().flatten().filter(|name| named.contains(name)).collect();
+        let names: Vec<String> = shared.into_iter().cloned().collect();
+        let number = |name: &Option<String>| name.as_ref().and_then(|name| names.binary_search(name).ok());
+        let [low_groups, high_groups] =
+            [&of_low, &of_high].map(|all| all.iter().map(number).collect::<Vec<Option<usize>>>());
+        let is_one = names.len() == 1 && low_groups.iter().chain(&high_groups).all(Option::is_some);
+        if names.is_empty() || is_one {
+            return None;
+        }
+        let without = |groups: &[Option<usize>]| groups.iter().filter(|group| group.is_none()).count();
+        warnings.note(
+            "objects of the low-poly mesh without a counterpart by name: they show whatever is nearest",
+            without(&low_groups),
+        );
+        warnings.note(
+            "objects of the scan without a counterpart by name: no matched object shows them",
+            without(&high_groups),
+        );
+        let of_group = |k: usize| high_groups.iter().map(|group| *group == Some(k)).collect();
+        let mut objects: Vec<Vec<bool>> = (0..names.len()).map(of_group).collect();
+        objects.push(vec![true; high.len()]);
+        let of_low = low_groups.into_iter().map(|group| group.unwrap_or(names.len())).collect();
+        Some(Self { names, of_low, objects })
+    }
+
+    /// Returns the groups of a mesh of these objects of the low-poly mesh, each with its number of triangles.
+    pub fn of_mesh(&self, objects: impl Iterator<Item = (usize, usize)>) -> CageGroups {
+        let of_object = |(object, triangles): (usize, usize)| {
+            let group = self.of_low.get(object).copied().unwrap_or(self.names.len());
+            std::iter::repeat_n(group, triangles)
+        };
+        CageGroups { of_triangle: objects.flat_map(of_object).collect(), objects: self.objects.clone() }
+    }
+}
+
+/// Returns the name of an object's group in lower case: what is before the last `mark`, as `Wheel` in
+/// `Wheel_low.001`.
+fn group(name: &str, mark: &str) -> Option<String> {
+    let name = name.to_lowercase();
+    let (group, rest) = name.rsplit_once(mark)?;
+    let is_whole_word = rest.chars().next().is_none_or(|c| !c.is_alphanumeric());
+    (!group.is_empty() && is_whole_word).then(|| group.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(all: &[&str]) -> Vec<String> {
+        all.iter().map(|name| (*name).to_owned()).collect()
+    }
+
+    #[test]
+    fn objects_are_matched_by_what_is_before_low_and_high() {
+        let low = names(&["Wheel_low", "axle_LOW.001", "wheel_low_rim", "cart"]);
+        let high = names(&["axle_high", "wheel_high_bolts", "WHEEL_high", "dust", "hook_high"]);
+        let mut warnings = Warnings::default();
+        let groups = Groups::matched(&low, &high, &mut warnings).unwrap();
+        assert_eq!(groups.names, ["axle", "wheel"]);
+        assert_eq!(groups.of_low, [1, 0, 1, 2]);
+        assert_eq!(groups.objects[1], [false, true, true, false, false]);
+        assert_eq!(groups.objects[2], [true; 5]);
+        let counts: Vec<usize> = warnings.iter().map(|(_, count)| count).collect();
+        assert_eq!(counts, [1, 2], "the cart; dust and hook");
+        let mesh = groups.of_mesh([(1, 2), (3, 1)].into_iter());
+        assert_eq!(mesh.of_triangle, [0, 0, 2]);
+    }
+
+    #[test]
+    fn other_names_match_nothing() {
+        let mut warnings = Warnings::default();
+        for (low, high) in [
+            (&["wheel"][..], &["wheel"][..]),
+            (&["a_low"], &["b_high"]),
+            (&["a_lower"], &["a_higher"]),
+            (&["_low"], &["_high"]),
+            (&["a_low", "a_low"], &["a_high"]),
+            (&[], &[]),
+        ] {
+            assert_eq!(Groups::matched(&names(low), &names(high), &mut warnings), None, "{low:?}");
+        }
+        assert!(warnings.is_empty());
     }
 }

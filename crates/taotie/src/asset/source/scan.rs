@@ -34,6 +34,8 @@ pub(in crate::asset) struct About {
     pub warnings: Warnings,
     pub size: ScanSize,
     pub carried: Carried,
+    /// Names of its objects, in the order of its instances; shorter or empty if they have none.
+    pub objects: Vec<String>,
     /// `true` if it specifies no colour and no material.
     pub is_plain: bool,
     /// `true` if its file has animations, skins, morph targets or material variants, none of which a baked asset has.
@@ -156,6 +158,7 @@ impl ScanFile {
             files,
             bytes,
             copyright: loaded.copyright,
+            objects: loaded.object_names,
             xmp: (!loaded.xmp.is_empty()).then(|| loaded.xmp.swap_remove(0)),
             warnings: loaded.warnings,
             options: ScanOptions {
@@ -358,6 +361,7 @@ impl About {
             warnings: Warnings::default(),
             size,
             carried,
+            objects: Vec::new(),
             is_plain: is_plain(scene),
             is_rigged: false,
             one_level: None,

@@ -1,14 +1,16 @@
 //! Maps of a written asset: notes on where each is stored and what its values mean, green turned down for other
 //! programs, and numbers as OpenEXR stores them.
 
-use crate::asset::ask::Packing;
-use crate::asset::bake::{Range, SeparateMap, Textures};
+use crate::asset::ask::{CHANNELS, ChannelSource, Channels, MapChannel, Packing, Quantity};
+use crate::asset::bake::{Part, Range, SeparateMap, Textures, labeled};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use taotie_engine::bake::MapKind;
+use taotie_engine::bake::{MapContent, MapKind};
 use taotie_engine::error::{Error, Result, Warnings};
-use taotie_engine::image::{Bitmap, Texels};
-use taotie_engine::math::srgb::linear_from_srgb;
-use taotie_engine::normal_map::green_turned;
+use taotie_engine::image::{Bitmap, Encoding, Texels};
+use taotie_engine::math::srgb::{linear_from_srgb, srgb_from_linear};
+use taotie_engine::names::Named;
+use taotie_engine::normal_map::{Storage, green_turned, store_codes, store_rgba};
 use taotie_engine::scene::{GreenChannel, NormalSpace};
 use taotie_io::GltfMaterial;
 
@@ -31,13 +33,34 @@ pub struct MapNote {
     pub white: Option<f64>,
     /// The unit of these values.
     pub unit: &'static str,
+    /// The point that positions are relative to, in the scan's space and unit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub origin: Option<[f64; 3]>,
+    /// The colours of materials or objects, as `#rrggbb` in sRGB, by their names.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub legend: BTreeMap<String, String>,
+    /// The channel of the file that holds it, `R`, `G`, `B` or `A`, if the file packs several maps.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub channel: Option<&'static str>,
 }
 
 impl MapNote {
     /// Describes a map inside the asset. `label` is that of its material, here and below; it may be empty.
     pub(super) fn inside(label: &str, map: MapKind, bitmap: &Bitmap) -> Self {
         let (material, bits) = (named(label), bitmap.bits());
-        Self { map, material, file: None, bits, black: None, white: None, unit: "" }
+        let (file, black, white, unit) = (None, None, None, "");
+        Self {
+            map,
+            material,
+            file,
+            bits,
+            black,
+            white,
+            unit,
+            origin: None,
+            legend: BTreeMap::new(),
+            channel: None,
+        }
     }
 
     /// Describes a map in a separate file next to the model `path`.
@@ -50,6 +73,9 @@ impl MapNote {
             black: own.range.map(|range| range.black),
             white: own.range.map(|range| range.white),
             unit: own.range.map_or("", |range| range.unit),
+            origin: own.origin,
+            legend: own.legend.clone(),
+            channel: None,
         }
     }
 }
@@ -97,7 +123,7 @@ pub(super) fn turned_green(
     let is_tangent = space == NormalSpace::Tangent;
     let turned: Vec<SeparateMap> = tangent_maps(textures)
         .filter(|_| is_tangent)
-        .map(|(map, bitmap)| SeparateMap { map, bitmap: green_turned(bitmap), range: None })
+        .map(|(map, bitmap)| SeparateMap::plain(map, green_turned(bitmap)))
         .collect();
     match turned.is_empty() {
         false => Ok(turned),
@@ -112,6 +138,181 @@ fn tangent_maps(textures: &Textures) -> impl Iterator<Item = (MapKind, &Bitmap)>
     let bent = textures.separate.iter().filter(|file| file.map == MapKind::Bent);
     let normal = textures.normal.as_ref().map(|bitmap| (MapKind::Normal, bitmap));
     normal.into_iter().chain(bent.map(|file| (file.map, &file.bitmap)))
+}
+
+/// A texture of one material that packs channels of its maps.
+pub(super) struct PackedChannels<'a> {
+    pub part: &'a Part,
+    pub channels: &'a Channels,
+    /// Maps with green down, if the packing asks for them.
+    pub turned: &'a [SeparateMap],
+}
+
+/// Where a channel comes from.
+enum Origin<'a> {
+    /// A channel of a stored texture, and the values of its black and white.
+    Texture(&'a Bitmap, usize, Option<Range>),
+    /// The same code everywhere.
+    Uniform(f32),
+}
+
+impl Origin<'_> {
+    fn bitmap(&self) -> Option<&Bitmap> {
+        match self {
+            Self::Texture(bitmap, ..) => Some(bitmap),
+            Self::Uniform(_) => None,
+        }
+    }
+}
+
+/// The content of a channel.
+struct Source<'a> {
+    origin: Origin<'a>,
+    /// `None` for a constant.
+    quantity: Option<Quantity>,
+    is_inverted: bool,
+}
+
+impl Source<'_> {
+    /// Returns the code of a texel, [0, 1].
+    fn code(&self, texel: usize) -> f32 {
+        let code = match self.origin {
+            Origin::Texture(bitmap, channel, _) => bitmap.stored(texel)[channel],
+            Origin::Uniform(code) => code,
+        };
+        if self.is_inverted { 1.0 - code } else { code }
+    }
+}
+
+fn bits(sources: &[Source<'_>]) -> u8 {
+    sources.iter().filter_map(|source| source.origin.bitmap()).map(Bitmap::bits).max().unwrap_or(8)
+}
+
+impl PackedChannels<'_> {
+    /// Returns its name with that of its material, if there are several.
+    pub fn name(&self) -> String {
+        labeled(self.part.low.label(), self.channels.name())
+    }
+
+    /// Returns the texture, with as many bits as the deepest of its maps.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a map that was not baked.
+    pub fn bitmap(&self) -> Result<Bitmap> {
+        let all = self.sources()?;
+        let sizes = all.iter().filter_map(|source| source.origin.bitmap());
+        let size = sizes.map(|bitmap| [bitmap.width(), bitmap.height()]).next().unwrap_or([1, 1]);
+        let storage = Storage { bits: bits(&all), dither: false };
+        match all.as_slice() {
+            [r, g, b, a] => store_rgba(size, |i| [r, g, b, a].map(|source| source.code(i)), storage),
+            all => store_codes(size, |i| std::array::from_fn(|k| all[k].code(i)), 3, storage),
+        }
+    }
+
+    /// Returns the map in each channel of the file `path`.
+    ///
+    /// # Errors
+    /// As [`PackedChannels::bitmap`].
+    pub fn notes(&self, path: &Path) -> Result<Vec<MapNote>> {
+        let all = self.sources()?;
+        let bits = bits(&all);
+        let note = |(source, letter): (&Source<'_>, &'static str)| {
+            let quantity = source.quantity?;
+            let range = match source.origin {
+                Origin::Texture(_, _, range) => range,
+                Origin::Uniform(_) => None,
+            };
+            let whole = Range { black: 0.0, white: 1.0, unit: "" };
+            let range = range.or(source.is_inverted.then_some(whole));
+            let ends = range.map(|Range { black, white, .. }| match source.is_inverted {
+                true => [white, black],
+                false => [black, white],
+            });
+            Some(MapNote {
+                map: quantity.map(),
+                material: named(self.part.low.label()),
+                file: Some(path.to_path_buf()),
+                bits,
+                black: ends.map(|[black, _]| black),
+                white: ends.map(|[_, white]| white),
+                unit: range.map_or("", |range| range.unit),
+                origin: None,
+                legend: BTreeMap::new(),
+                channel: Some(letter),
+            })
+        };
+        Ok(all.iter().zip(CHANNELS).filter_map(note).collect())
+    }
+
+    fn sources(&self) -> Result<Vec<Source<'_>>> {
+        let of = |source: &ChannelSource| match source {
+            ChannelSource::Constant(code) => {
+                Ok(Source { origin: Origin::Uniform(*code), quantity: None, is_inverted: false })
+            }
+            ChannelSource::Map(MapChannel { quantity, is_inverted }) => {
+                let origin = self.origin(*quantity)?;
+                Ok(Source { origin, quantity: Some(*quantity), is_inverted: *is_inverted })
+            }
+        };
+        self.channels.sources().iter().map(of).collect()
+    }
+
+    /// Returns where a quantity is stored: in a texture, or in factors of the material.
+    fn origin(&self, quantity: Quantity) -> Result<Origin<'_>> {
+        let Part { low, maps } = self.part;
+        let (textures, map) = (&maps.textures, quantity.map());
+        let own = self.turned.iter().chain(&textures.separate).find(|own| own.map == map);
+        if let Some(own) = own {
+            let channel = if let Quantity::Component(_, channel) = quantity { channel } else { 0 };
+            return Ok(Origin::Texture(&own.bitmap, channel, own.range));
+        }
+        let material = textures.material(&low.material, &low.kept);
+        let (baked, factor, kept) = match quantity {
+            Quantity::Metallic => {
+                (textures.roughness_texture(), (2, material.metallic), &low.kept.metallic_roughness)
+            }
+            Quantity::Map(MapKind::Roughness) => {
+                (textures.roughness_texture(), (1, material.roughness), &low.kept.metallic_roughness)
+            }
+            Quantity::Map(MapKind::Occlusion | MapKind::OcclusionMap) => {
+                (textures.occlusion_texture(), (0, 1.0), &low.kept.occlusion)
+            }
+            Quantity::Map(MapKind::Alpha) => {
+                let texture = textures.color.as_ref().filter(|color| color.channels() == 4);
+                (texture, (3, material.base_color[3]), &low.kept.color)
+            }
+            Quantity::Component(MapKind::Albedo, k) => {
+                let code = srgb_from_linear(f64::from(material.base_color[k])) as f32;
+                (textures.color.as_ref(), (k, code), &low.kept.color)
+            }
+            Quantity::Component(MapKind::Emission, k) => {
+                let code = srgb_from_linear(f64::from(material.emissive[k].min(1.0))) as f32;
+                (textures.emission.as_ref(), (k, code), &low.kept.emission)
+            }
+            Quantity::Component(_, k) => (textures.normal.as_ref(), (k, [0.5, 0.5, 1.0][k]), &None),
+            Quantity::Map(_) => (None, (0, 0.0), &None),
+        };
+        let (channel, code) = factor;
+        match (baked, kept) {
+            (Some(bitmap), _) => Ok(Origin::Texture(bitmap, channel, None)),
+            (None, None) => Ok(Origin::Uniform(code)),
+            (None, Some(_)) => {
+                let what = format!("the channels `{}`", self.channels.name());
+                let why = format!(
+                    "{} is not baked: the low-poly mesh keeps its own; add it to the maps",
+                    map.name()
+                );
+                Err(Error::invalid(what, why))
+            }
+        }
+    }
+}
+
+/// Returns the encoding of a texture that holds these maps: alpha is in that of the base colour.
+pub(super) fn encoding_of(maps: &[MapKind]) -> Encoding {
+    let is_seen = |map: &MapKind| matches!(map.content(), MapContent::Color | MapContent::Label);
+    let is_color = maps.iter().any(|map| is_seen(map) || *map == MapKind::Alpha);
+    if is_color { Encoding::Srgb } else { Encoding::Linear }
 }
 
 /// The meaning of a map's codes, [0, 1].

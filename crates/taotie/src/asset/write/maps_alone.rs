@@ -1,12 +1,16 @@
 //! Standalone maps, without a model: textures for a low-poly mesh that stays in its own file, one set for each of its
 //! materials.
 
-use super::map_files::{MapNote, Meaning, codes_of_normals, encode_numbers, named, note_unlit, turned_green};
-use crate::asset::ask::Packing;
+use super::map_files::{
+    MapNote, Meaning, PackedChannels, codes_of_normals, encode_numbers, encoding_of, named, note_unlit,
+    turned_green,
+};
+use crate::asset::ask::{Channels, Packing};
 use crate::asset::bake::{Made, Part, Range, SeparateMap, labeled};
 use crate::asset::source::{KeptTextures, Property};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use taotie_engine::bake::MapKind;
+use taotie_engine::bake::{MapContent, MapKind};
 use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::image::{Bitmap, Encoding, Sampler, Texture};
 use taotie_engine::math::Mat4;
@@ -33,6 +37,8 @@ struct MapFile<'a> {
     maps: Vec<MapKind>,
     bitmap: &'a Bitmap,
     range: Option<Range>,
+    origin: Option<[f64; 3]>,
+    legend: Option<&'a BTreeMap<String, String>>,
     path: PathBuf,
 }
 
@@ -47,8 +53,15 @@ fn files<'a>(part: &'a Part, path: &Path) -> Vec<MapFile<'a>> {
             None => files.push(MapFile::new(map, bitmap)),
         }
     }
-    let other =
-        |other: &'a SeparateMap| MapFile { range: other.range, ..MapFile::new(other.map, &other.bitmap) };
+    let other = |other: &'a SeparateMap| {
+        let SeparateMap { range, origin, legend, .. } = other;
+        MapFile {
+            range: *range,
+            origin: *origin,
+            legend: Some(legend),
+            ..MapFile::new(other.map, &other.bitmap)
+        }
+    };
     files.extend(textures.separate.iter().map(other));
     for (i, file) in files.iter_mut().enumerate() {
         file.label = label;
@@ -75,14 +88,16 @@ fn sibling(path: &Path, name: &str) -> PathBuf {
 }
 
 /// Returns every file that standalone maps of one material may be written to, `path` itself first.
-pub(super) fn possible_files(path: &Path) -> Vec<PathBuf> {
-    let names = MapKind::NAMES.iter().map(|(name, _)| *name).chain([ORM]);
+pub(super) fn possible_files(path: &Path, packing: &Packing) -> Vec<PathBuf> {
+    let packed = packing.channels.iter().map(Channels::name);
+    let names = MapKind::NAMES.iter().map(|(name, _)| *name).chain([ORM]).chain(packed);
     std::iter::once(path.to_path_buf()).chain(names.map(|name| sibling(path, name))).collect()
 }
 
 impl<'a> MapFile<'a> {
     fn new(map: MapKind, bitmap: &'a Bitmap) -> Self {
-        Self { label: "", maps: vec![map], bitmap, range: None, path: PathBuf::new() }
+        let (maps, path) = (vec![map], PathBuf::new());
+        Self { label: "", maps, bitmap, range: None, origin: None, legend: None, path }
     }
 
     fn holds(&self, any: &[MapKind]) -> bool {
@@ -97,8 +112,7 @@ impl<'a> MapFile<'a> {
     }
 
     fn encoding(&self) -> Encoding {
-        let is_color = self.holds(&[MapKind::Albedo, MapKind::Alpha, MapKind::Emission]);
-        if is_color { Encoding::Srgb } else { Encoding::Linear }
+        encoding_of(&self.maps)
     }
 
     /// Returns its bytes, in the format of its extension, with the texels of `bitmap`.
@@ -114,7 +128,8 @@ impl<'a> MapFile<'a> {
 
     fn meaning(&self) -> Meaning {
         match (self.encoding(), self.range) {
-            _ if self.holds(&[MapKind::Normal, MapKind::Bent]) => Meaning::Direction,
+            _ if self.maps.iter().any(|map| map.content() == MapContent::Direction) => Meaning::Direction,
+            _ if self.maps.iter().any(|map| map.content() == MapContent::Label) => Meaning::Plain,
             (Encoding::Srgb, _) => Meaning::Color,
             (_, Some(range)) => Meaning::Number(range),
             (_, None) => Meaning::Plain,
@@ -137,14 +152,25 @@ impl<'a> MapFile<'a> {
             black: range.map(|range| range.black),
             white: range.map(|range| range.white),
             unit: range.map_or("", |range| range.unit),
+            origin: self.origin,
+            legend: self.legend.cloned().unwrap_or_default(),
+            channel: None,
         })
     }
 }
 
 /// Returns each map's kind, material and file.
-pub(super) fn notes(made: &Made, path: &Path) -> Vec<MapNote> {
-    let files = made.parts.iter().flat_map(|part| files(part, path));
-    files.flat_map(|file| file.notes().collect::<Vec<_>>()).collect()
+pub(super) fn notes(made: &Made, path: &Path, packing: &Packing) -> Vec<MapNote> {
+    let of = |part| {
+        let mut notes: Vec<MapNote> = files(part, path).iter().flat_map(MapFile::notes).collect();
+        for channels in &packing.channels {
+            let packed = PackedChannels { part, channels, turned: &[] };
+            // They were written, so no map is missing.
+            notes.extend(packed.notes(&sibling(path, &packed.name())).unwrap_or_default());
+        }
+        notes
+    };
+    made.parts.iter().flat_map(of).collect()
 }
 
 /// Returns all files.
@@ -161,6 +187,13 @@ pub(super) fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec
             let turned = turned.iter().find(|turned| file.holds(&[turned.map]));
             let bitmap = turned.map_or(file.bitmap, |turned| &turned.bitmap);
             encoded.push(FileBytes { bytes: file.encoded(bitmap)?, path: file.path });
+        }
+        for channels in &packing.channels {
+            let packed = PackedChannels { part, channels, turned: &turned };
+            let (bitmap, path) = (packed.bitmap()?, sibling(path, &packed.name()));
+            // Its codes have different meanings.
+            let file = MapFile { path, ..MapFile::new(MapKind::Roughness, &bitmap) };
+            encoded.push(FileBytes { bytes: file.encoded(&bitmap)?, path: file.path.clone() });
         }
     }
     Ok(encoded)

@@ -1,7 +1,7 @@
 //! The provenance that an asset records about itself: all parameters of its bake, as one JSON document in its XMP
 //! metadata.
 
-use crate::asset::ask::{BakeOptions, Lod, MeshSource, Packing, RayDistance, requirement};
+use crate::asset::ask::{BakeOptions, Channels, Lod, MeshSource, Packing, RayDistance, requirement};
 use crate::asset::bake::Made;
 use crate::asset::source::{ScanOptions, is_gltf};
 use serde_json::Value;
@@ -60,6 +60,8 @@ struct Fields<'a> {
     roughness: Option<f64>,
     /// The length of projection rays, model units.
     ray_distance: Auto,
+    /// `true` if objects were matched by name.
+    by_name: bool,
     /// The name of the cage's file; `None` without a cage.
     cage: Option<String>,
     /// The formats of the textures, as for `--images`.
@@ -76,6 +78,9 @@ struct Fields<'a> {
     normal_bits: Option<u8>,
     /// The green direction of maps next to the asset.
     green: GreenChannel,
+    /// The textures that pack channels, as for `--channels`.
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    channels: &'a [Channels],
     /// The angle above which edges of the scan are creases, degrees.
     crease_angle_deg: Auto,
     /// The green direction of the scan's normal maps: `up`, `down` or `auto`.
@@ -184,6 +189,7 @@ impl Parameters {
             ao_distance: options.ao_distance,
             roughness: options.roughness,
             ray_distance: auto(distance),
+            by_name: options.by_name,
             cage: cage.and_then(MeshSource::name),
             images: packing.images.to_string(),
             image_formats: options.images.iter().map(|kind| kind.name()).collect(),
@@ -192,6 +198,7 @@ impl Parameters {
             position_bits: packing.meshopt.then_some(packing.bits.positions),
             normal_bits: packing.meshopt.then_some(packing.bits.normals),
             green: packing.green,
+            channels: &packing.channels,
             crease_angle_deg: auto(scan.crease_angle_deg),
             scan_green: scan.green.map_or("auto", Named::name),
             unit: scan.unit,

@@ -1,8 +1,8 @@
 //! Writes an asset to files.
 
-use super::map_files::{MapNote, hides_maps, note_unlit, turned_green};
+use super::map_files::{MapNote, PackedChannels, encoding_of, hides_maps, name_of, note_unlit, turned_green};
 use super::{maps_alone, provenance};
-use crate::asset::ask::{BakeOptions, Packing, screen_coverage};
+use crate::asset::ask::{BakeOptions, Channels, Packing, screen_coverage};
 use crate::asset::bake::{Asset, Coarser, LevelLook, Made, Part, SeparateMap, Textures, labeled};
 use crate::asset::source::{Document, KeptTextures, root_scale};
 use serde_json::{Value, json};
@@ -112,9 +112,10 @@ pub(in crate::asset) fn possible_files(
     packing: &Packing,
 ) -> Vec<PathBuf> {
     if maps_alone::is_alone(path) {
-        return maps_alone::possible_files(path);
+        return maps_alone::possible_files(path, packing);
     }
-    let separate = options.maps.iter().map(|map| path.with_extension(format!("{}.png", map.name())));
+    let names = options.maps.iter().map(|map| map.name()).chain(packing.channels.iter().map(Channels::name));
+    let separate = names.map(|name| path.with_extension(format!("{name}.png")));
     let given = packing.images.all().map(ImageCodec::kind);
     let kinds = match options.searches() {
         true if options.images.is_empty() => options.codecs.images(),
@@ -130,7 +131,7 @@ fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<EncodedModel> 
     let rights = taotie_io::xmp_rights(&xmp);
     let sets = made.parts.iter().map(|part| BesideMaps::of(made, part, packing));
     let sets = sets.collect::<Result<Vec<_>>>()?;
-    let extras = extras(&sets, path);
+    let extras = extras(&sets, path, packing)?;
     let name = name(made);
     let about = About {
         name: &name,
@@ -145,8 +146,12 @@ fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<EncodedModel> 
     };
     for set in &sets {
         for own in set.all() {
-            let bytes = taotie_io::encode_png_bitmap(&own.bitmap, Encoding::Linear)?;
+            let bytes = taotie_io::encode_png_bitmap(&own.bitmap, encoding_of(&[own.map]))?;
             model.files.push(FileBytes { path: own.file(set.label, path), bytes });
+        }
+        for packed in set.packed(packing) {
+            let bytes = taotie_io::encode_png_bitmap(&packed.bitmap()?, Encoding::Linear)?;
+            model.files.push(FileBytes { path: packed_file(&packed, path), bytes });
         }
     }
     Ok(model)
@@ -294,6 +299,7 @@ struct About<'a> {
 
 /// The maps of a material in separate files next to the model.
 struct BesideMaps<'a> {
+    part: &'a Part,
     label: &'a str,
     kept: Vec<&'a SeparateMap>,
     /// Those with green down.
@@ -306,7 +312,13 @@ impl<'a> BesideMaps<'a> {
         let turned = turned_green(made.options.space, textures, packing)?;
         let is_turned = |own: &&SeparateMap| turned.iter().any(|turned| turned.map == own.map);
         let kept = textures.separate.iter().filter(|own| !is_turned(own)).collect();
-        Ok(Self { label: part.low.label(), kept, turned })
+        Ok(Self { part, label: part.low.label(), kept, turned })
+    }
+
+    /// Returns the textures that pack channels.
+    fn packed<'b>(&'b self, packing: &'b Packing) -> impl Iterator<Item = PackedChannels<'b>> {
+        let Self { part, turned, .. } = self;
+        packing.channels.iter().map(|channels| PackedChannels { part, channels, turned })
     }
 
     fn all(&self) -> impl Iterator<Item = &SeparateMap> {
@@ -345,7 +357,8 @@ fn notes(made: &Made, packing: &Packing, files: &[FileBytes]) -> Warnings {
     }
     // The result of a search exceeds its target by at most that.
     let of_metadata = if made.rounding.is_some() { METADATA } else { 0 };
-    let (of_scan, all) = (made.about.bytes, files.iter().map(|file| file.bytes.len() as u64).sum::<u64>());
+    let own = files.iter().filter(|file| !is_beside(&file.path, packing));
+    let (of_scan, all) = (made.about.bytes, own.map(|file| file.bytes.len() as u64).sum::<u64>());
     warnings.note(
         format!("the asset is larger than its scan: {all} bytes instead of {of_scan}; use smaller maps, or pack it"),
         usize::from(of_scan > 0 && all > of_scan + of_metadata),
@@ -354,6 +367,14 @@ fn notes(made: &Made, packing: &Packing, files: &[FileBytes]) -> Warnings {
 }
 
 /// Returns true if the alpha of the base colour texture is written.
+/// Returns `true` for a map that no material shows.
+fn is_beside(path: &Path, packing: &Packing) -> bool {
+    let separate = MapKind::NAMES.iter().filter(|(_, map)| map.is_separate()).map(|(name, _)| *name);
+    let mut names = separate.chain(packing.channels.iter().map(Channels::name));
+    let file = name_of(path);
+    names.any(|name| file.ends_with(&format!(".{name}.png")))
+}
+
 fn has_alpha(material: &GltfMaterial<'_>) -> bool {
     let has = |image| matches!(image, GltfImage::Bitmap(bitmap) if matches!(bitmap.channels(), 2 | 4));
     material.alpha != AlphaMode::Opaque && material.base_color_map.is_some_and(has)
@@ -397,16 +418,36 @@ fn coverages(made: &Made) -> Vec<f32> {
 }
 
 /// Returns the asset's notes on the files next to it; `None` if there are none.
-fn extras(sets: &[BesideMaps<'_>], path: &Path) -> Option<Json> {
+fn extras(sets: &[BesideMaps<'_>], path: &Path, packing: &Packing) -> Result<Option<Json>> {
     let entry = |label: &str, own: &SeparateMap| {
         let note = MapNote::separate(own, label, path);
         let name = note.file?.file_name()?.to_string_lossy().into_owned();
-        let about = json!({ "file": name, "black": note.black, "white": note.white, "unit": note.unit });
+        let mut about = json!({ "file": name, "black": note.black, "white": note.white, "unit": note.unit });
+        if let Some(origin) = note.origin {
+            about["origin"] = json!(origin);
+        }
+        if !note.legend.is_empty() {
+            about["legend"] = json!(note.legend);
+        }
         Some((labeled(label, note.map.name()), about))
     };
     let entries = sets.iter().flat_map(|set| set.all().filter_map(|own| entry(set.label, own)));
-    let maps: serde_json::Map<String, Value> = entries.collect();
-    (!maps.is_empty()).then(|| Json(json!({ "maps": maps })))
+    let mut maps: serde_json::Map<String, Value> = entries.collect();
+    for packed in sets.iter().flat_map(|set| set.packed(packing)) {
+        let file = packed_file(&packed, path);
+        let mut about = json!({ "file": name_of(&file) });
+        for note in packed.notes(&file)? {
+            about[note.channel.unwrap_or_default()] =
+                json!({ "map": note.map, "black": note.black, "white": note.white, "unit": note.unit });
+        }
+        maps.insert(packed.name(), about);
+    }
+    Ok((!maps.is_empty()).then(|| Json(json!({ "maps": maps }))))
+}
+
+/// Returns the file of a texture that packs channels, next to the model `path`.
+fn packed_file(packed: &PackedChannels<'_>, path: &Path) -> PathBuf {
+    path.with_extension(format!("{}.png", packed.name()))
 }
 
 impl WrittenAsset {
@@ -438,9 +479,18 @@ impl WrittenAsset {
     /// Returns each map's kind and location, material by material.
     pub fn maps(&self) -> Vec<MapNote> {
         if self.is_alone() {
-            return maps_alone::notes(&self.asset.made, &self.requested);
+            return maps_alone::notes(&self.asset.made, &self.requested, &self.packing);
         }
-        self.asset.texture_sets().flat_map(|(label, textures)| self.maps_of(label, textures)).collect()
+        let parts = self.asset.made.parts.iter();
+        let packed = parts.flat_map(|part| {
+            let of = move |channels| PackedChannels { part, channels, turned: &[] };
+            self.packing.channels.iter().map(of)
+        });
+        // They were written, so no map is missing.
+        let packed =
+            packed.filter_map(|packed| packed.notes(&packed_file(&packed, self.path())).ok()).flatten();
+        let sets = self.asset.texture_sets();
+        sets.flat_map(|(label, textures)| self.maps_of(label, textures)).chain(packed).collect()
     }
 
     fn maps_of(&self, label: &str, textures: &Textures) -> Vec<MapNote> {

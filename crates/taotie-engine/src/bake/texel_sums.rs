@@ -1,9 +1,12 @@
-//! The material of texels: the mean over the samples of a texel, and the alpha mode of each triangle of a low-poly
-//! mesh, that of most of the surface it represents.
+//! The values of a texel: means over its samples of materials, positions, vertex colours and depths; the
+//! material and object of most of them; and the alpha mode of each triangle of a low-poly mesh, that of most of the
+//! surface it represents.
 
 use super::appearance::MaterialSample;
 use super::cage::Cage;
+use super::maps::{BandMaps, MapKind, Plane};
 use super::scan::Scan;
+use super::sky::Depth;
 use crate::math::Vec3;
 use crate::mesh::{Mesh, Point};
 use crate::parallel;
@@ -117,6 +120,78 @@ fn most(ranks: impl Iterator<Item = usize>) -> usize {
     (1..3).fold(0, |most, rank| if counts[rank] > 0 && counts[rank] >= counts[most] { rank } else { most })
 }
 
+/// The maps of the scan's points.
+pub(super) const OF_POINTS: [MapKind; 5] =
+    [MapKind::Position, MapKind::Thickness, MapKind::VertexColor, MapKind::MaterialId, MapKind::ObjectId];
+
+/// Sums over the samples of a texel that have a correspondence.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct PointSums {
+    count: u32,
+    /// Sums of positions are of differences from the first, which are small.
+    first: Vec3,
+    rest: Vec3,
+    color: Vec3,
+    depth: Depth,
+    material: Majority,
+    object: Majority,
+}
+
+impl PointSums {
+    /// Adds a point.
+    pub fn add(&mut self, scan: &Scan, point: Point) {
+        let position = point.position(scan.mesh());
+        if self.count == 0 {
+            self.first = position;
+        }
+        self.count += 1;
+        self.rest += position - self.first;
+        if !scan.mesh().colors().is_empty() {
+            self.color += point.color(scan.mesh());
+        }
+        self.material.add(scan.surface().material_number(point.triangle) as u32);
+        self.object.add(scan.surface().object_number(point.triangle) as u32);
+    }
+
+    /// Adds the depth below a point.
+    pub fn add_depth(&mut self, depth: Depth) {
+        self.depth.distance += depth.distance;
+        self.depth.weight += depth.weight;
+    }
+
+    /// Writes the means; a texel without points keeps its values.
+    pub fn store(&self, texel: usize, maps: &mut BandMaps<'_>) {
+        if self.count == 0 {
+            return;
+        }
+        let share = 1.0 / self.count as f32;
+        maps.set_vector(Plane::Position, texel, self.first + self.rest * share);
+        maps.set_vector(Plane::VertexColor, texel, self.color * share);
+        maps.set(Plane::Thickness, texel, self.depth.mean());
+        maps.set(Plane::MaterialId, texel, self.material.value as f32);
+        maps.set(Plane::ObjectId, texel, self.object.value as f32);
+    }
+}
+
+/// The number that most of those added are, if more than half of them are the same.
+///
+/// Source: Boyer and Moore 1981, "MJRTY: a fast majority vote algorithm".
+#[derive(Debug, Clone, Copy, Default)]
+struct Majority {
+    value: u32,
+    lead: u32,
+}
+
+impl Majority {
+    fn add(&mut self, value: u32) {
+        match self.lead {
+            0 => *self = Self { value, lead: 1 },
+            _ if value == self.value => self.lead += 1,
+            _ => self.lead -= 1,
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -177,5 +252,14 @@ mod tests {
             sum.iter_mut().zip(weights).for_each(|(sum, w)| *sum += w);
         }
         assert!(sum.iter().all(|sum| (sum - 7.0 / 3.0).abs() < 1e-5), "{sum:?}");
+    }
+
+    #[test]
+    fn most_of_them_decide_in_any_order() {
+        for values in [[7, 7, 7, 1, 2], [1, 7, 2, 7, 7], [7, 1, 7, 2, 7]] {
+            let mut majority = Majority::default();
+            values.iter().for_each(|value| majority.add(*value));
+            assert_eq!(majority.value, 7);
+        }
     }
 }

@@ -1,0 +1,194 @@
+//! `taotie bake`: maps of points, materials and objects; textures that pack channels; objects matched by name.
+
+use super::bake::document;
+use super::balls::{Ball, LOW, SCAN};
+use super::place::Place;
+use serde_json::{Value, json};
+use taotie_engine::image::Bitmap;
+use taotie_io::read_bitmap;
+
+/// Returns several balls as one OBJ file, each an object with a material of the same name.
+fn together(balls: &[(&str, Ball)]) -> String {
+    let mut text = String::new();
+    let mut before = [0; 3];
+    for (name, ball) in balls {
+        text += &format!("o {name}\nusemtl {}\n", name.split('_').next().unwrap());
+        let mut own = [0; 3];
+        for line in ball.obj().lines() {
+            let kinds = ["v ", "vt ", "vn "];
+            match kinds.iter().position(|kind| line.starts_with(kind)) {
+                Some(kind) => own[kind] += 1,
+                None if line.starts_with("f ") => {
+                    let corner = |corner: &str| {
+                        let moved = corner.split('/').zip(before).map(|(index, before)| match index {
+                            "" => String::new(),
+                            index => (index.parse::<usize>().unwrap() + before).to_string(),
+                        });
+                        moved.collect::<Vec<_>>().join("/")
+                    };
+                    let corners: Vec<String> = line[2..].split_whitespace().map(corner).collect();
+                    text += &format!("f {}\n", corners.join(" "));
+                    continue;
+                }
+                None => continue,
+            }
+            text += &format!("{line}\n");
+        }
+        before.iter_mut().zip(own).for_each(|(before, own)| *before += own);
+    }
+    text
+}
+
+/// Returns the note on a map in a report.
+fn note<'a>(report: &'a Value, map: &str) -> &'a Value {
+    let mut notes = report["maps"].as_array().expect("maps are listed").iter();
+    notes.find(|note| note["map"] == map).unwrap_or_else(|| panic!("no {map} in {report}"))
+}
+
+fn picture(place: &Place, name: &str) -> Bitmap {
+    read_bitmap(&place.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+/// Returns all codes of a channel, [0, 1].
+fn channel(bitmap: &Bitmap, channel: usize) -> Vec<f32> {
+    (0..(bitmap.width() * bitmap.height()) as usize).map(|i| bitmap.stored(i)[channel]).collect()
+}
+
+#[test]
+fn maps_of_points_have_units_and_names() {
+    let place = Place::with("scan.obj", Ball { radius: 2.06, waves: 0.0, ..SCAN }.obj());
+    place.write("low.obj", Ball { radius: 2.0, rings: 48, meridians: 96, ..LOW }.obj());
+    let report = place.json(
+        "bake scan.obj --low low.obj -o out.png --size 128 --ao-rays 256 --unit mm --json \
+         --maps normal,position,world-normal,thickness,material-id,object-id,wireframe,vertex-color",
+    );
+    let position = picture(&place, "out.position.png");
+    assert_eq!((position.bits(), position.channels()), (16, 3));
+    let about = note(&report, "position");
+    let [black, white] = ["black", "white"].map(|end| about[end].as_f64().unwrap());
+    let origin: Vec<f64> = about["origin"].as_array().unwrap().iter().filter_map(Value::as_f64).collect();
+    assert!(about["unit"] == "mm" && black == -white && (2.0..2.2).contains(&white), "{about}");
+    for i in 0..128 * 128 {
+        let [x, y, z, _] = position.stored(i);
+        let at = [x, y, z].map(|code| black + f64::from(code) * (white - black));
+        let length = (0..3).map(|k| (at[k] + origin[k]).powi(2)).sum::<f64>().sqrt();
+        assert!((length - 2.06).abs() < 0.02, "{length}: a point of the ball, or a mean of neighbours");
+    }
+    // 4/3 of the radius, by 256 directions.
+    let about = note(&report, "thickness");
+    let [black, white] = ["black", "white"].map(|end| about[end].as_f64().unwrap());
+    assert!((black / 2.06 - 4.0 / 3.0).abs() < 0.05 && (white / 2.06 - 4.0 / 3.0).abs() < 0.05, "{about}");
+    assert_eq!((&about["unit"], &about["bits"]), (&json!("mm"), &json!(16)));
+    let legend = note(&report, "material-id")["legend"].as_object().unwrap();
+    let [(_, color)] = legend.iter().collect::<Vec<_>>()[..] else { panic!("{legend:?}") };
+    let ids = picture(&place, "out.material-id.png");
+    let [r, g, b, _] = ids.stored(0).map(|code| (code * 255.0) as u8);
+    assert_eq!(color, &json!(format!("#{r:02x}{g:02x}{b:02x}")));
+    assert!((0..128 * 128).all(|i| ids.stored(i) == ids.stored(0)), "one material everywhere");
+    let lines = channel(&picture(&place, "out.wireframe.png"), 0);
+    assert!(lines.contains(&0.0) && lines.contains(&1.0));
+    let warnings = report["warnings"].to_string();
+    assert!(warnings.contains("the map of vertex colours is black"), "{warnings}");
+    let unproved = report.to_string();
+    assert!(unproved.contains("position map") && unproved.contains("wireframe map"), "they are not compared");
+}
+
+#[test]
+fn channels_hold_what_their_maps_hold() {
+    let place = Place::with("scan.obj", SCAN.obj());
+    place.write("low.obj", LOW.obj());
+    let line = "bake scan.obj --low low.obj --size 64 --ao-rays 16 --roughness 0.3 --json \
+                --maps normal,ao,roughness,metallic-roughness,height --channels unity-mask \
+                --channels dirt:R=1-ao,G=height,B=0.5,A=normal.g";
+    let report = place.json(&format!("{line} -o out.png"));
+    let [mask, dirt, orm, height, normal] =
+        ["unity-mask", "dirt", "orm", "height", ""].map(|name| match name {
+            "" => picture(&place, "out.png"),
+            name => picture(&place, &format!("out.{name}.png")),
+        });
+    assert_eq!([mask.channels(), dirt.channels()], [4, 4]);
+    let [occlusion, roughness, metallic] = [0, 1, 2].map(|k| channel(&orm, k));
+    let inverted = |codes: &[f32]| codes.iter().map(|code| 1.0 - code).collect::<Vec<f32>>();
+    let same = |a: &[f32], b: &[f32]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6);
+    assert!(channel(&mask, 0) == metallic && channel(&mask, 1) == occlusion);
+    assert!(channel(&mask, 2).iter().all(|code| *code == 1.0));
+    assert!(same(&channel(&mask, 3), &inverted(&roughness)), "smoothness");
+    // Heights need 16 bits; the other channels lose nothing.
+    assert_eq!([mask.bits(), dirt.bits()], [8, 16]);
+    assert!(same(&channel(&dirt, 0), &inverted(&occlusion)) && channel(&dirt, 1) == channel(&height, 0));
+    assert!(channel(&dirt, 2).iter().all(|code| (code - 0.5).abs() < 1e-4));
+    assert!(same(&channel(&dirt, 3), &channel(&normal, 1)));
+    let notes = report["maps"].as_array().unwrap().iter();
+    let packed: Vec<String> = notes
+        .filter(|note| note["channel"].is_string())
+        .map(|note| format!("{} {} {}", note["file"], note["channel"], note["map"]).replace('"', ""))
+        .collect();
+    let wanted = [
+        "out.unity-mask.png R metallic-roughness",
+        "out.unity-mask.png G ao",
+        "out.unity-mask.png A roughness",
+        "out.dirt.png R ao",
+        "out.dirt.png G height",
+        "out.dirt.png A normal",
+    ];
+    assert_eq!(packed, wanted);
+    let of_asset = place.json(&format!("{line} -o out.glb"));
+    assert!(place.files().contains(&"out.dirt.png".to_owned()), "{of_asset}");
+    let asset = document(&place, "out.glb");
+    let about = &asset["asset"]["extras"]["maps"]["dirt"];
+    assert_eq!((&about["file"], &about["G"]["map"]), (&json!("out.dirt.png"), &json!("height")));
+    assert_eq!((&about["R"]["black"], &about["R"]["white"]), (&json!(1.0), &json!(0.0)), "open is black");
+    assert_eq!(about["G"]["black"], note(&of_asset, "height")["black"]);
+}
+
+#[test]
+fn channels_without_their_maps_are_refused() {
+    let place = Place::with("scan.obj", SCAN.obj());
+    place.write("low.obj", LOW.obj());
+    let cases = [
+        ("--channels orm", "ao is not baked; add it to the maps"),
+        ("--maps auto,ao --channels R=height,G=ao,B=0", "height is not baked"),
+        ("--maps auto,ao --channels R=ao,G=ao,B=0 --channels R=0,G=0,B=0", "two textures named channels"),
+        ("--channels R=shine,G=0,B=0", "unknown map `shine`"),
+    ];
+    for (options, why) in cases {
+        let assert =
+            place.taotie(&format!("bake scan.obj --low low.obj -o out.glb {options}")).assert().code(2);
+        let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
+        assert!(said.contains(why), "{options}: {said}");
+    }
+}
+
+/// Two shells, one inside the other: the facets of the inner one reach through the outer one's scan, and back.
+#[test]
+fn objects_show_their_namesakes_and_nothing_else() {
+    let (inner, outer) =
+        (Ball { waves: 0.0, ..SCAN }, Ball { radius: SCAN.radius * 1.01, waves: 0.0, ..SCAN });
+    let place = Place::with("scan.obj", together(&[("core_high", inner), ("shell_HIGH", outer)]));
+    let coarse = |ball: &Ball| Ball { radius: ball.radius, rings: 12, meridians: 24, ..LOW };
+    place.write("low.obj", together(&[("core_low", coarse(&inner)), ("shell_low.001", coarse(&outer))]));
+    // Shares of texels with the colour of the other object.
+    let strangers = |options: &str| {
+        let line = "bake scan.obj --low low.obj -o out.png --size 64 --maps normal,object-id --json";
+        let report = place.json(&format!("{line} {options}"));
+        let share = |own: &str, other: &str| {
+            let ids = picture(&place, &format!("out.{own}.object-id.png"));
+            let legends =
+                report["maps"].as_array().unwrap().iter().filter_map(|note| note["legend"].as_object());
+            let color = legends.into_iter().find_map(|legend| legend.get(other).cloned());
+            let Some(Value::String(color)) = color else { return 0.0 };
+            let is_other = |i: &usize| {
+                let [r, g, b, _] = ids.stored(*i).map(|code| (code * 255.0).round() as u8);
+                format!("#{r:02x}{g:02x}{b:02x}") == color
+            };
+            (0..64 * 64).filter(is_other).count() as f64 / 4096.0
+        };
+        ([share("core", "shell_HIGH"), share("shell", "core_high")], report)
+    };
+    let (matched, report) = strangers("");
+    assert_eq!(matched, [0.0; 2]);
+    assert_eq!(report["origin"]["groups"], json!(["core", "shell"]));
+    let (nearest, report) = strangers("--match nearest");
+    assert!(nearest.iter().any(|share| *share > 0.2), "{nearest:?}: they were hard to distinguish");
+    assert!(report["origin"]["groups"].is_null());
+}
