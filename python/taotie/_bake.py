@@ -198,7 +198,8 @@ class Asset:
         Parameters
         ----------
         path : str or path
-            ``.glb``, or ``.gltf`` with its files next to it; ``.png``, ``.webp`` or ``.exr`` for standalone maps.
+            ``.glb``, or ``.gltf`` with its files next to it; ``.png``, ``.tiff``, ``.exr``, ``.tga`` or
+            ``.webp`` for standalone maps.
         images : str
             Texture format: ``"png"``, ``"webp"`` (lossless), ``"ktx2"``, or lossy for colours: ``"webp:85"``,
             ``"jpeg:85"``, ``"avif:80"``, ``"ktx2:2"``; different ones for colours, normals and numbers:

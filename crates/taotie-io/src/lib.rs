@@ -42,11 +42,11 @@ pub use write::encode_exr;
 pub use write::{
     AnimatedImage, AnimationFormat, AnimationSpec, CodecKind, CodecSet, EncodedModel, FileBytes, FileSet,
     GltfAsset, GltfDraft, GltfFormat, GltfGraft, GltfImage, GltfMaterial, GltfPacker, GraftedMaterial,
-    ImageCodec, ImageFormat, LossyTexture, PackedGeometry, PackedImage, PngColor, PngImage, PngSamples,
-    Stopper, TextureCodecs, VertexBits, WrittenScene, encode_glb, encode_gltf, encode_graft,
-    encode_jpeg_bitmap, encode_png, encode_png_bitmap, encode_scene, encode_scene_as, encode_webp_bitmap,
-    gltf_files, gltf_sampler, join_levels, sampler_constants, write_bytes, write_gltf, write_image,
-    write_png, write_png_bitmap, write_scene, write_text,
+    ImageCodec, ImageFormat, LossyTexture, MapFormat, PackedGeometry, PackedImage, PngColor, PngImage,
+    PngSamples, Stopper, TextureCodecs, VertexBits, WrittenScene, encode_glb, encode_gltf, encode_graft,
+    encode_jpeg_bitmap, encode_map, encode_png, encode_png_bitmap, encode_scene, encode_scene_as,
+    encode_webp_bitmap, gltf_files, gltf_sampler, join_levels, sampler_constants, write_bytes, write_gltf,
+    write_image, write_png, write_png_bitmap, write_scene, write_text,
 };
 #[cfg(feature = "exr")]
 pub use write::{ExrLayer, write_exr};

@@ -15,13 +15,14 @@ use files::{data_files, files_below};
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::path::{Path, PathBuf};
-use taotie_engine::image::{Bitmap, Texels};
-use taotie_io::{decode_bitmap, read_bitmap};
+use taotie_engine::image::{Bitmap, Encoding, Texels};
+use taotie_engine::names::Named;
+use taotie_io::{MapFormat, decode_bitmap, encode_map, read_bitmap};
 
-const EXTENSIONS: [&str; 9] = ["png", "jpg", "jpeg", "webp", "avif", "ktx2", "tga", "hdr", "exr"];
+const EXTENSIONS: [&str; 11] =
+    ["png", "jpg", "jpeg", "webp", "avif", "ktx2", "tga", "tif", "tiff", "hdr", "exr"];
 
 /// Returns the path of a picture in this repository.
-#[cfg(any(feature = "avif", feature = "webp", feature = "basis"))]
 fn own(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/pictures").join(name)
 }
@@ -119,6 +120,63 @@ fn pngsuite_variants_of_a_picture_are_equal() {
         }
     }
     assert!(seen.is_empty() || compared > 0, "{compared}");
+}
+
+/// The TIFF files were made from the PNG by tifffile 2026: LZW with a predictor; 16 bits, big-endian, in tiles; floats.
+#[test]
+fn tiff_is_the_picture_it_was_made_from() {
+    let png = read_bitmap(&own("waves.png")).unwrap();
+    let [lzw, tiles, float] = ["waves-lzw.tif", "waves-16-tiles.tif", "waves-float.tif"]
+        .map(|name| read_bitmap(&own(name)).unwrap());
+    assert_eq!(lzw, png);
+    assert_eq!((tiles.bits(), tiles.channels()), (16, 4));
+    assert_eq!(as_u8(&tiles), as_u8(&png));
+    let Texels::F32(texels) = float.texels() else { panic!("it has floats") };
+    assert_eq!((float.width(), float.height(), float.channels()), (40, 12, 3));
+    let codes = texels.iter().flat_map(|[r, g, b, _]| [r, g, b].map(|v| (v * 255.0).round() as u8));
+    let wanted = as_u8(&png);
+    let wanted = wanted.chunks(4).take(40 * 12).flat_map(|texel| texel[..3].to_vec());
+    assert!(codes.eq(wanted));
+}
+
+/// Writes and reads back every format, depth and number of channels of maps.
+#[test]
+fn maps_come_back_in_every_format() {
+    let texel = |i: u32| [i * 7 % 251, i * 13 % 241, i * 31 % 239, 255 - i % 200];
+    for (format, extension) in [("png", "png"), ("tiff", "tif"), ("tga", "tga"), ("webp", "webp")] {
+        let format = MapFormat::from_name(format).unwrap();
+        if cfg!(not(feature = "webp")) && format == MapFormat::WebP {
+            continue;
+        }
+        for (channels, bits) in [(1, 8), (3, 8), (4, 8), (1, 16), (3, 16), (4, 16)] {
+            let shown = |[r, g, b, a]: [u32; 4], one: u32| match channels {
+                1 => [r, r, r, one],
+                3 => [r, g, b, one],
+                _ => [r, g, b, a],
+            };
+            let texels = (0..37 * 21).map(texel);
+            let texels = match bits {
+                8 => Texels::U8(texels.map(|texel| shown(texel, 255).map(|v| v as u8)).collect()),
+                _ => Texels::U16(
+                    texels
+                        .map(|texel| shown(texel.map(|v| v * 256 + v / 3), 65_535).map(|v| v as u16))
+                        .collect(),
+                ),
+            };
+            let bitmap = Bitmap::new(37, 21, channels, texels).unwrap();
+            let encoded = encode_map(&bitmap, Encoding::Linear, format);
+            if bits > format.bits() {
+                let error = encoded.expect_err("it stores 8 bits").to_string();
+                assert!(error.contains("16 bits per channel") && error.contains("write a .png"), "{error}");
+                continue;
+            }
+            let name = format!("map.{extension}");
+            let read = decode_bitmap(&encoded.unwrap(), &name, Path::new(&name)).unwrap();
+            // WebP has no grey.
+            let same = read == bitmap || format == MapFormat::WebP && read.texels() == bitmap.texels();
+            assert!(same, "{extension}, {channels} channels of {bits} bits");
+        }
+    }
 }
 
 #[cfg(feature = "webp")]

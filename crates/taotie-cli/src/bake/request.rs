@@ -12,15 +12,15 @@ use taotie::asset::{
 };
 use taotie_engine::bake::{MapContent, MapKind};
 use taotie_engine::names::Named;
-use taotie_io::{CodecKind, CodecSet, FileSet, TextureCodecs};
+use taotie_io::{CodecKind, CodecSet, FileSet, MapFormat, TextureCodecs};
 
 impl BakeArgs {
     /// Rejects options that cannot work together, before any work is done.
     pub fn check(&self) -> Result<()> {
-        let extension = self.output.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
-        if !matches!(extension.as_deref(), Some("glb" | "gltf" | "png" | "webp" | "exr")) {
+        if !self.is_alone() && !["glb", "gltf"].into_iter().any(|model| self.has_extension(model)) {
             bail!(
-                "{}: unsupported format; write assets as .glb or .gltf, standalone maps as .png, .webp or .exr",
+                "{}: unsupported format; write assets as .glb or .gltf, standalone maps as .png, .tiff, .exr, .tga or \
+                 .webp",
                 self.output.display()
             );
         }
@@ -62,7 +62,12 @@ impl BakeArgs {
 
     /// Returns true if only maps are written, without a model.
     fn is_alone(&self) -> bool {
-        ["png", "webp", "exr"].into_iter().any(|extension| self.has_extension(extension))
+        self.map_format().is_some()
+    }
+
+    /// Returns the format of standalone maps; `None` for a model.
+    fn map_format(&self) -> Option<MapFormat> {
+        MapFormat::of(&self.output)
     }
 
     fn has_extension(&self, wanted: &str) -> bool {
@@ -99,14 +104,17 @@ impl BakeArgs {
 
     /// Rejects 16-bit maps in an 8-bit file format.
     fn check_depth(&self) -> Result<()> {
-        let maps = self.maps();
+        let Some(format) = self.map_format() else { return Ok(()) };
+        let (maps, name) = (self.maps(), format.name());
         match maps.iter().find(|map| map.content() == MapContent::Length) {
-            _ if self.has_extension("exr") && self.bits.is_some() => {
+            _ if format == MapFormat::Exr && self.bits.is_some() => {
                 bail!("--bits: an .exr stores floats; leave it out, or write a .png")
             }
-            _ if !self.has_extension("webp") => Ok(()),
-            Some(map) => bail!("--maps {}: it needs 16 bits, and WebP stores 8; write a .png", map.name()),
-            None if self.bits() == 16 => bail!("--bits 16: WebP stores 8 bits; write a .png, or use 8"),
+            _ if format.bits() > 8 => Ok(()),
+            Some(map) => {
+                bail!("--maps {}: it needs 16 bits, and a .{name} stores 8; write a .png", map.name())
+            }
+            None if self.bits() == 16 => bail!("--bits 16: a .{name} stores 8 bits; write a .png, or use 8"),
             None => Ok(()),
         }
     }

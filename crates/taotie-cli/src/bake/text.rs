@@ -21,6 +21,9 @@ pub fn of(report: &Report) -> String {
     text.push('\n');
     text.extend(chosen_trial(report).map(|line| line + "\n"));
     let mut table = Table::untitled(&["", ""]);
+    if !report.origin.groups.is_empty() {
+        table.row(["matched by name".into(), report.origin.groups.join(", ")]);
+    }
     if !report.carried.is_empty() {
         table.row(["carried".into(), report.carried.join(", ")]);
     }

@@ -71,7 +71,7 @@ fn maps_of_points_have_units_and_names() {
     for i in 0..128 * 128 {
         let [x, y, z, _] = position.stored(i);
         let at = [x, y, z].map(|code| black + f64::from(code) * (white - black));
-        let length = (0..3).map(|k| (at[k] + origin[k]).powi(2)).sum::<f64>().sqrt();
+        let length = (0..3).map(|k| (at[k] + origin[k]) * (at[k] + origin[k])).sum::<f64>().sqrt();
         assert!((length - 2.06).abs() < 0.02, "{length}: a point of the ball, or a mean of neighbours");
     }
     // 4/3 of the radius, by 256 directions.

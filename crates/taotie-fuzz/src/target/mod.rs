@@ -53,7 +53,7 @@ impl Target {
             Self::Mtl => &["mtl"],
             Self::Ply => &["ply"],
             Self::Stl => &["stl"],
-            Self::Picture => &["png", "jpg", "jpeg", "webp", "avif", "exr", "ktx2", "hdr", "tga"],
+            Self::Picture => &["png", "jpg", "jpeg", "webp", "avif", "exr", "ktx2", "hdr", "tga", "tiff"],
             Self::Environment => &["exr", "hdr"],
             Self::Cache => &["environment"],
             Self::Material => &["toml"],

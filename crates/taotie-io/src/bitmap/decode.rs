@@ -1,4 +1,4 @@
-//! Decodes PNG, JPEG, WebP, TGA and Radiance HDR through the crates `image` and `png`.
+//! Decodes PNG, JPEG, WebP, TGA, TIFF and Radiance HDR through the crates `image` and `png`.
 
 use super::super::reading::Reading;
 use super::limits::{

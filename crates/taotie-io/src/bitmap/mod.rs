@@ -1,4 +1,4 @@
-//! Images from PNG, JPEG, WebP, AVIF, KTX2, TGA, Radiance HDR and OpenEXR, in the precision and encoding of the file:
+//! Images from PNG, JPEG, WebP, AVIF, KTX2, TGA, TIFF, Radiance HDR and OpenEXR, in the precision and encoding of the file:
 //! textures, and environments from float images.
 
 #[cfg(feature = "avif")]
@@ -78,7 +78,7 @@ pub(super) fn decode_within(bytes: &[u8], name: &str, path: &Path, reading: &Rea
     let format = format.ok_or_else(|| {
         Error::unsupported(
             format!("{}: the image format of '{name}'", path.display()),
-            "use PNG, JPEG, WebP, AVIF, KTX2, TGA, HDR or EXR",
+            "use PNG, JPEG, WebP, AVIF, KTX2, TGA, TIFF, HDR or EXR",
         )
     })?;
     #[cfg(feature = "exr")]
@@ -175,9 +175,9 @@ fn lacking(bytes: &[u8], format: Option<ImageFormat>) -> Option<(&'static str, &
 }
 
 fn guess_format(bytes: &[u8], name: &str) -> Option<ImageFormat> {
-    use ImageFormat::{Hdr, Jpeg, OpenExr, Png, Tga, WebP};
+    use ImageFormat::{Hdr, Jpeg, OpenExr, Png, Tga, Tiff, WebP};
     match image::guess_format(bytes) {
-        Ok(format @ (Png | Jpeg | WebP | Hdr | OpenExr)) => Some(format),
+        Ok(format @ (Png | Jpeg | WebP | Tiff | Hdr | OpenExr)) => Some(format),
         Ok(_) => None,
         Err(_) => {
             let name = name.to_ascii_lowercase();

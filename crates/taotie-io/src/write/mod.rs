@@ -5,6 +5,7 @@ mod animated_image;
 mod exr;
 mod file_set;
 mod gltf;
+mod maps;
 mod staging;
 mod still_image;
 
@@ -19,6 +20,7 @@ pub use gltf::{
     encode_scene_as, encode_webp_bitmap, gltf_files, gltf_sampler, join_levels, sampler_constants,
     write_gltf, write_scene,
 };
+pub use maps::{MapFormat, encode_map};
 pub use still_image::{
     ImageFormat, PngColor, PngImage, PngSamples, encode_png, encode_png_bitmap, write_image, write_png,
     write_png_bitmap,

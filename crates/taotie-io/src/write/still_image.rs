@@ -142,7 +142,8 @@ pub fn encode_png_bitmap(bitmap: &Bitmap, encoding: Encoding) -> Result<Vec<u8>>
     with_image(bitmap, encoding, encode_png)
 }
 
-fn with_image<T>(
+/// Calls `with` with the texels of a bitmap as a PNG image.
+pub(super) fn with_image<T>(
     bitmap: &Bitmap,
     encoding: Encoding,
     with: impl FnOnce(&PngImage) -> Result<T>,

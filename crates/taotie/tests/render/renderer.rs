@@ -4,7 +4,7 @@ use crate::scenes;
 use std::sync::Arc;
 use taotie_engine::Progress;
 use taotie_engine::film::{Development, develop8};
-use taotie_engine::math::Vec3;
+use taotie_engine::math::{Vec3, scalar};
 use taotie_engine::render::{
     Aovs, Lighting, Prepared, ReferenceSettings, RenderSettings, Renderer, Shot, reference, render,
 };
@@ -67,7 +67,7 @@ fn output_variables_are_at_the_centre_of_each_pixel() {
     };
     let one = seen(1);
     let columns = camera.world_from_view.columns.map(|[x, y, z, _]| Vec3::new(x, y, z));
-    let per_unit = height / 2.0 / (0.5 * fov_y).tan();
+    let per_unit = height / 2.0 / scalar::tan(0.5 * fov_y);
     let mut hits = 0;
     for (i, [x, y, z, alpha]) in one.position.pixels().iter().enumerate().filter(|(_, p)| p[3] > 0.0) {
         let way = Vec3::new(*x, *y, *z).to_f64() - columns[3];

@@ -19,15 +19,11 @@ use taotie_engine::normal_map::green_turned;
 use taotie_engine::scene::{
     GreenChannel, Instance, Material, NormalMap, NormalSpace, Scene, SceneData, TextureRef, UvTransform,
 };
-use taotie_io::{FileBytes, FileSet, Limits, Loaded, TextureCodecs};
+use taotie_io::{FileBytes, FileSet, Limits, Loaded, MapFormat, TextureCodecs};
 
 /// Returns true if a path requests standalone maps.
 pub(super) fn is_alone(path: &Path) -> bool {
-    ["png", "webp", "exr"].into_iter().any(|extension| has_extension(path, extension))
-}
-
-fn has_extension(path: &Path, wanted: &str) -> bool {
-    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
+    MapFormat::of(path).is_some()
 }
 
 /// A texture as a separate file, and the maps that it holds.
@@ -117,12 +113,9 @@ impl<'a> MapFile<'a> {
 
     /// Returns its bytes, in the format of its extension, with the texels of `bitmap`.
     fn encoded(&self, bitmap: &Bitmap) -> Result<Vec<u8>> {
-        if has_extension(&self.path, "exr") {
-            return encode_numbers(bitmap, self.meaning());
-        }
-        match has_extension(&self.path, "webp") {
-            true => taotie_io::encode_webp_bitmap(bitmap),
-            false => taotie_io::encode_png_bitmap(bitmap, self.encoding()),
+        match MapFormat::of(&self.path) {
+            Some(MapFormat::Exr) => encode_numbers(bitmap, self.meaning()),
+            format => taotie_io::encode_map(bitmap, self.encoding(), format.unwrap_or(MapFormat::Png)),
         }
     }
 
@@ -138,7 +131,8 @@ impl<'a> MapFile<'a> {
 
     /// Returns the values of black and white in the file: OpenEXR stores the numbers themselves, except for emission.
     fn file_range(&self) -> Option<Range> {
-        let is_number = matches!(self.meaning(), Meaning::Number(_)) && has_extension(&self.path, "exr");
+        let is_number =
+            matches!(self.meaning(), Meaning::Number(_)) && MapFormat::of(&self.path) == Some(MapFormat::Exr);
         self.range.map(|range| if is_number { Range { black: 0.0, white: 1.0, ..range } } else { range })
     }
 
@@ -339,8 +333,11 @@ mod tests {
 
     #[test]
     fn only_pictures_stand_alone() {
-        let paths = ["normal.png", "a/b.WebP", "c.exr", "scan.glb", "scan.gltf", "png"];
-        assert_eq!(paths.map(|path| is_alone(path.as_ref())), [true, true, true, false, false, false]);
+        let paths = ["normal.png", "a/b.WebP", "c.exr", "d.tif", "e.TGA", "scan.glb", "scan.gltf", "png"];
+        assert_eq!(
+            paths.map(|path| is_alone(path.as_ref())),
+            [true, true, true, true, true, false, false, false]
+        );
     }
 
     #[test]

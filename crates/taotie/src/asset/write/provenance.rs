@@ -60,8 +60,9 @@ struct Fields<'a> {
     roughness: Option<f64>,
     /// The length of projection rays, model units.
     ray_distance: Auto,
-    /// `true` if objects were matched by name.
-    by_name: bool,
+    /// `false` if names of objects were ignored; `None` if not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    by_name: Option<bool>,
     /// The name of the cage's file; `None` without a cage.
     cage: Option<String>,
     /// The formats of the textures, as for `--images`.
@@ -189,7 +190,7 @@ impl Parameters {
             ao_distance: options.ao_distance,
             roughness: options.roughness,
             ray_distance: auto(distance),
-            by_name: options.by_name,
+            by_name: (!options.by_name).then_some(false),
             cage: cage.and_then(MeshSource::name),
             images: packing.images.to_string(),
             image_formats: options.images.iter().map(|kind| kind.name()).collect(),

@@ -45,7 +45,7 @@ pub struct WrittenAsset {
 
 impl Asset {
     /// Writes the asset as `.glb`, or as `.gltf` with its files next to it. Maps that glTF has no slot for are
-    /// written as separate files, such as `scan.height.png`. A path ending in `.png`, `.webp` or `.exr` gets
+    /// written as separate files, such as `scan.height.png`. A path ending in `.png`, `.tiff`, `.exr`, `.tga` or `.webp` gets
     /// standalone maps: the first in that file, all others next to it, such as `out.ao.png`, with the green direction
     /// of the packing; if the low-poly mesh has several materials, a set for each, such as `out.wood.png` and
     /// `out.wood.ao.png`. All files appear together at the end; a failed or cancelled write leaves none. The same asset

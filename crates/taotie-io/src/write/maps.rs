@@ -1,0 +1,106 @@
+//! Maps without a model, in the file formats of other programs.
+
+use super::gltf::encode_webp_bitmap;
+use super::still_image::{PngColor, PngImage, PngSamples, encode_png_bitmap, interleaved, with_image};
+use std::path::Path;
+use taotie_engine::error::{Error, Result};
+use taotie_engine::image::{Bitmap, Encoding, Texels};
+use taotie_engine::names::Named;
+
+/// A file format of maps without a model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MapFormat {
+    /// PNG, 8 or 16 bits per channel.
+    Png,
+    /// WebP, lossless, 8 bits.
+    WebP,
+    /// OpenEXR, floats.
+    Exr,
+    /// Truevision TGA with run lengths, 8 bits.
+    Tga,
+    /// TIFF with deflate compression, 8 or 16 bits.
+    Tiff,
+}
+
+impl Named for MapFormat {
+    const WHAT: &'static str = "format of maps";
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("png", Self::Png),
+        ("webp", Self::WebP),
+        ("exr", Self::Exr),
+        ("tga", Self::Tga),
+        ("tiff", Self::Tiff),
+        ("tif", Self::Tiff),
+    ];
+}
+
+impl MapFormat {
+    /// Returns the format of a file by its extension, in any case; `None` for others.
+    pub fn of(path: &Path) -> Option<Self> {
+        let extension = path.extension()?.to_string_lossy().to_ascii_lowercase();
+        Self::from_name(&extension).ok()
+    }
+
+    /// Returns the maximum number of bits per channel: 8, 16 or 32.
+    pub fn bits(self) -> u8 {
+        match self {
+            Self::WebP | Self::Tga => 8,
+            Self::Png | Self::Tiff => 16,
+            Self::Exr => 32,
+        }
+    }
+}
+
+/// Encodes the texels of a bitmap as stored, in any of the formats except OpenEXR, which stores numbers rather than
+/// codes. Only PNG notes the encoding.
+///
+/// # Errors
+/// [`Error::Unsupported`] for more bits than the format has, for float texels, and for OpenEXR.
+pub fn encode_map(bitmap: &Bitmap, encoding: Encoding, format: MapFormat) -> Result<Vec<u8>> {
+    let refused = || {
+        let what = format!("a {} with {} bits per channel", format.name().to_uppercase(), bitmap.bits());
+        Error::unsupported(what, "write a .png")
+    };
+    match (format, bitmap.texels()) {
+        (MapFormat::Png, _) => encode_png_bitmap(bitmap, encoding),
+        (MapFormat::WebP, _) => encode_webp_bitmap(bitmap),
+        (MapFormat::Tga, Texels::U8(texels)) => tga(bitmap, texels),
+        (MapFormat::Tiff, Texels::U8(_) | Texels::U16(_)) => with_image(bitmap, encoding, tiff),
+        (MapFormat::Exr | MapFormat::Tga | MapFormat::Tiff, _) => Err(refused()),
+    }
+}
+
+fn tga(bitmap: &Bitmap, texels: &[[u8; 4]]) -> Result<Vec<u8>> {
+    let (color, channels) = match bitmap.channels() {
+        1 => (image::ExtendedColorType::L8, 1),
+        3 => (image::ExtendedColorType::Rgb8, 3),
+        _ => (image::ExtendedColorType::Rgba8, 4),
+    };
+    let (samples, mut bytes) = (interleaved(texels, channels), Vec::new());
+    let encoder = image::codecs::tga::TgaEncoder::new(&mut bytes);
+    let encoded = encoder.encode(&samples, bitmap.width(), bitmap.height(), color);
+    encoded.map_err(|error| Error::invalid("a TGA", error.to_string()))?;
+    Ok(bytes)
+}
+
+fn tiff(image: &PngImage) -> Result<Vec<u8>> {
+    use tiff::encoder::colortype::{Gray8, Gray16, RGB8, RGB16, RGBA8, RGBA16};
+    use tiff::encoder::{Compression, DeflateLevel, Predictor, TiffEncoder};
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    let encoder = TiffEncoder::new(&mut bytes).map(|encoder| {
+        encoder
+            .with_compression(Compression::Deflate(DeflateLevel::Balanced))
+            .with_predictor(Predictor::Horizontal)
+    });
+    let (width, height) = (image.width, image.height);
+    let encoded = encoder.and_then(|mut encoder| match (image.samples, image.color) {
+        (PngSamples::U8(samples), PngColor::Grey) => encoder.write_image::<Gray8>(width, height, samples),
+        (PngSamples::U8(samples), PngColor::Rgb) => encoder.write_image::<RGB8>(width, height, samples),
+        (PngSamples::U8(samples), PngColor::Rgba) => encoder.write_image::<RGBA8>(width, height, samples),
+        (PngSamples::U16(samples), PngColor::Grey) => encoder.write_image::<Gray16>(width, height, samples),
+        (PngSamples::U16(samples), PngColor::Rgb) => encoder.write_image::<RGB16>(width, height, samples),
+        (PngSamples::U16(samples), PngColor::Rgba) => encoder.write_image::<RGBA16>(width, height, samples),
+    });
+    encoded.map_err(|error| Error::invalid("a TIFF", error.to_string()))?;
+    Ok(bytes.into_inner())
+}
