@@ -30,7 +30,9 @@ mod residuals;
 mod robust;
 mod samples;
 mod set;
+mod sources;
 mod symmetric;
+mod truth;
 mod uncertainty;
 
 pub use estimate::{Estimate, Estimator, PixelEstimate};
@@ -39,3 +41,4 @@ pub use residuals::LightResiduals;
 pub use samples::{Reading, Sample, Samples, Transfer};
 pub use set::{Photograph, PhotographSet};
 pub use symmetric::Sym2;
+pub use truth::{Coverage, averaged};

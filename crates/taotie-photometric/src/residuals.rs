@@ -1,16 +1,18 @@
-//! The residuals of the robust fit: their variance in each pixel, the part that neighbours share, and their size under
-//! each light.
+//! The residuals of the robust fit: their variance in each pixel, how they pull at the fit from each side, and their
+//! size under each light.
 
 use crate::block::LightTerms;
 use crate::grid::Grid;
 use crate::robust::{Fit, weight};
 use crate::samples::Samples;
 use crate::symmetric::Sym3;
-use taotie_engine::math::Vec3;
+use taotie_engine::math::{Vec3, scalar};
 use taotie_engine::parallel;
 
 /// The weight above which a sample's residual is compared with its neighbours'.
 const COMPARED: f64 = 0.3;
+/// Sectors of lights around the view.
+pub const SECTORS: usize = 6;
 /// A sample darker than this fraction of the fit is in shadow.
 const SHADOW: f64 = 0.5;
 /// Pixels of a part: sums do not depend on the number of threads.
@@ -23,8 +25,12 @@ pub struct PixelResiduals {
     pub inverse: Option<Sym3>,
     /// Weighted variance.
     pub variance: f64,
-    /// Mean product with the residuals of neighbours under the same light, from 0 to the variance.
+    /// Mean product with the residuals of neighbours under the same light, from 0 to the variance: misfit is alike in
+    /// both, noise is not.
     pub shared: f64,
+    /// Covariance of the fit if the residuals of a sector of lights err together (a cluster-robust covariance: Liang
+    /// and Zeger 1986).
+    pub sectors: Sym3,
 }
 
 /// The residuals under one light.
@@ -59,9 +65,24 @@ pub struct Residuals<'a> {
     pub fits: &'a [Fit],
     /// [`Fit::inverse_reach`] of each pixel.
     pub inverse_reaches: Vec<f64>,
+    /// The sector of each light.
+    sectors: Vec<usize>,
 }
 
-impl Residuals<'_> {
+impl<'a> Residuals<'a> {
+    /// Prepares the lights; sectors have equally many, by the angle around the view.
+    pub fn new(samples: &'a Samples, grid: &'a Grid, lights: &'a [LightTerms], fits: &'a [Fit]) -> Self {
+        let angle = |k: &usize| scalar::atan2(lights[*k].direction.y, lights[*k].direction.x);
+        let mut order: Vec<usize> = (0..lights.len()).collect();
+        order.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
+        let mut sectors = vec![0; lights.len()];
+        for (i, k) in order.into_iter().enumerate() {
+            sectors[k] = i * SECTORS / lights.len();
+        }
+        let inverse_reaches = fits.iter().map(Fit::inverse_reach).collect();
+        Self { samples, grid, lights, fits, inverse_reaches, sectors }
+    }
+
     /// Returns the residuals of each pixel.
     pub fn of_pixels(&self) -> Vec<PixelResiduals> {
         parallel::collect(self.fits.len(), |i| self.of_pixel(i))
@@ -72,11 +93,13 @@ impl Residuals<'_> {
         let others = [self.grid.at(x + 1, y), self.grid.at(x, y + 1)];
         let (mut matrix, mut squares, mut total) = (Sym3::default(), 0.0, 0.0);
         let (mut products, mut pairs) = (0.0, 0.0);
-        for k in 0..self.lights.len() {
+        let mut pulls = [Vec3::splat(0.0); SECTORS];
+        for (k, light) in self.lights.iter().enumerate() {
             let (residual, weight) = self.residual(pixel, k);
-            matrix.add(self.lights[k].direction, weight);
+            matrix.add(light.direction, weight);
             squares += weight * residual * residual;
             total += weight;
+            pulls[self.sectors[k]] += light.direction * (weight * residual);
             if weight <= COMPARED {
                 continue;
             }
@@ -91,7 +114,11 @@ impl Residuals<'_> {
         let variance = squares / (total - 3.0).max(1.0);
         let shared = if pairs > 0.0 { (products / pairs).clamp(0.0, variance) } else { 0.0 };
         let inverse = if total > 3.0 { matrix.inverse() } else { None };
-        PixelResiduals { inverse, variance, shared }
+        let mut sectors = Sym3::default();
+        if let Some(inverse) = inverse {
+            pulls.iter().for_each(|pull| sectors.add(inverse.times(*pull), 1.0));
+        }
+        PixelResiduals { inverse, variance, shared, sectors }
     }
 
     /// Returns the residual of a sample and its weight in the fit.

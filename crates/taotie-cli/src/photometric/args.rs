@@ -37,7 +37,8 @@ pub struct PhotometricArgs {
     /// Meaning of the numbers in the photographs: auto, linear, srgb
     #[arg(long, value_parser = options::named::<Transfer>, default_value = "auto")]
     pub encoding: Transfer,
-    /// True normals to compare with (PNG, EXR), in the same coordinates
+    /// True normals to compare with (PNG, EXR), in the same coordinates; of a picture that is a whole number of times
+    /// larger, their means over each pixel
     #[arg(long, value_name = "FILE")]
     pub truth: Option<PathBuf>,
 

@@ -9,7 +9,7 @@ use taotie::Warning;
 use taotie::asset::StageTime;
 use taotie_engine::compare::{Summary, angular_error};
 use taotie_engine::names::Named;
-use taotie_photometric::{Estimate, Estimator, PhotographSet, Samples};
+use taotie_photometric::{Coverage, Estimate, Estimator, PhotographSet, Samples};
 use taotie_report::table::summary_text;
 
 /// Version of the JSON.
@@ -52,6 +52,8 @@ pub struct Report {
     albedo: f64,
     /// The samples in shadow that the albedo was measured in; 0 if it is assumed.
     shadow_samples: usize,
+    /// Light in shadows that the estimated relief does not explain, relative to all light there, in [0, 1].
+    unexplained: f64,
     /// The photographs, in order.
     photographs: Vec<PhotographReport>,
     /// Degrees between the estimates and the true normals.
@@ -86,8 +88,8 @@ pub struct Errors {
     pub robust: Summary,
     /// Without shadows, highlights and indirect light: the written normals.
     pub best: Summary,
-    /// Fraction of the written normals that are within their uncertainty, in [0, 1]; 0.68 is expected.
-    pub within_sigma: f64,
+    /// Fractions of the written normals that are within their uncertainty.
+    pub coverage: Option<Coverage>,
 }
 
 impl Report {
@@ -122,6 +124,7 @@ impl Report {
             indirect: between(Estimator::Robust, Estimator::Best),
             albedo: estimate.albedo,
             shadow_samples: estimate.shadows,
+            unexplained: estimate.unexplained,
             photographs: lights.map(photograph).collect(),
             truth: None,
             stages: Vec::new(),
@@ -183,11 +186,14 @@ impl Report {
             for (name, angles) in all {
                 let _ = writeln!(text, "{name:<14} {}", summary_text(angles, 2, "°"));
             }
-            let _ = writeln!(
-                text,
-                "{:.0} % of the written normals are within their sigma",
-                100.0 * errors.within_sigma
-            );
+            if let Some(Coverage { major, minor, radius }) = errors.coverage {
+                let [a, b, c, d, e] = [radius, major[0], minor[0], major[1], minor[1]].map(|v| 100.0 * v);
+                let _ = writeln!(
+                    text,
+                    "{a:.0} % of the written normals are within their sigma (68 % expected); along the axes \
+                     {b:.0} and {c:.0} % within one standard deviation (68 %), {d:.0} and {e:.0} % within two (95 %)"
+                );
+            }
         }
         let _ = write!(text, "\nwrote {} to {}", OUTPUTS.join(", "), self.output);
         text
