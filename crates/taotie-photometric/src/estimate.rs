@@ -6,8 +6,8 @@ use crate::indirect::{ASSUMED_ALBEDO, Indirect};
 use crate::residuals::{LightResiduals, PixelResiduals, Residuals};
 use crate::robust::{self, Fit, Robust, Scratch};
 use crate::samples::Samples;
-use crate::symmetric::Sym2;
 use crate::sources::AllSources;
+use crate::symmetric::Sym2;
 use crate::uncertainty::{RadiusTable, tangents};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use taotie_engine::compare::Field;
@@ -60,6 +60,8 @@ pub struct Estimate {
     robust: Vec<Vec3<f64>>,
     /// The residuals under each light.
     pub lights: Vec<LightResiduals>,
+    /// The exponent between fitted and measured brightness: near 1 if the photographs are linear.
+    pub exponent: Option<f64>,
     /// Albedo of bright pixels, as indirect light shows it.
     pub albedo: f64,
     /// The samples in shadow that it was measured in; 0 if it is assumed.
@@ -110,6 +112,7 @@ impl Estimate {
             least_squares: fits.iter().map(|fit| unit(fit.least_squares)).collect(),
             robust: fits.iter().map(|fit| unit(fit.robust)).collect(),
             lights: residuals.of_lights(),
+            exponent: residuals.exponent(),
             albedo: indirect.albedo,
             shadows: indirect.shadows,
             unexplained: indirect.unexplained,

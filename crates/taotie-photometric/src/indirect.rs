@@ -61,8 +61,13 @@ impl Indirect {
     ) -> Result<Self> {
         let coarse = Coarse::new(samples, grid, fitted);
         let mut direct = coarse.fitted.clone();
-        let mut light =
-            Light { in_sight: vec![Vec3::splat(0.0); direct.len()], factor: 0.0, bright: 1.0, shadows: 0, unexplained: ASSUMED_UNEXPLAINED };
+        let mut light = Light {
+            in_sight: vec![Vec3::splat(0.0); direct.len()],
+            factor: 0.0,
+            bright: 1.0,
+            shadows: 0,
+            unexplained: ASSUMED_UNEXPLAINED,
+        };
         for round in 0..ROUNDS {
             progress.at(round as f64 / ROUNDS as f64)?;
             let normals: Vec<_> = direct.iter().map(|b| b.normalize_or(Vec3::new(0.0, 0.0, 1.0))).collect();
@@ -78,7 +83,12 @@ impl Indirect {
             without(fitted[i], in_sight, light.factor).to_array()
         });
         let direct = direct.into_iter().map(Vec3::from_array).collect();
-        Ok(Self { direct, albedo: light.factor * light.bright, shadows: light.shadows, unexplained: light.unexplained })
+        Ok(Self {
+            direct,
+            albedo: light.factor * light.bright,
+            shadows: light.shadows,
+            unexplained: light.unexplained,
+        })
     }
 }
 
@@ -161,7 +171,13 @@ impl Coarse {
         });
         let in_sight = in_sight.collect();
         if direct.is_empty() {
-            return Light { in_sight, factor: ASSUMED_ALBEDO, bright: 1.0, shadows: 0, unexplained: ASSUMED_UNEXPLAINED };
+            return Light {
+                in_sight,
+                factor: ASSUMED_ALBEDO,
+                bright: 1.0,
+                shadows: 0,
+                unexplained: ASSUMED_UNEXPLAINED,
+            };
         }
         let lengths: Vec<f64> = direct.iter().map(|b| b.length()).collect();
         let typical = quantile(lengths.clone(), 0.5);

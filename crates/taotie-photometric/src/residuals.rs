@@ -94,12 +94,13 @@ impl<'a> Residuals<'a> {
         let (mut matrix, mut squares, mut total) = (Sym3::default(), 0.0, 0.0);
         let (mut products, mut pairs) = (0.0, 0.0);
         let mut pulls = [Vec3::splat(0.0); SECTORS];
-        for (k, light) in self.lights.iter().enumerate() {
+        for k in 0..self.lights.len() {
             let (residual, weight) = self.residual(pixel, k);
-            matrix.add(light.direction, weight);
+            let direction = self.samples.direction(k, pixel);
+            matrix.add(direction, weight);
             squares += weight * residual * residual;
             total += weight;
-            pulls[self.sectors[k]] += light.direction * (weight * residual);
+            pulls[self.sectors[k]] += direction * (weight * residual);
             if weight <= COMPARED {
                 continue;
             }
@@ -125,10 +126,42 @@ impl<'a> Residuals<'a> {
     #[inline]
     fn residual(&self, pixel: usize, k: usize) -> (f64, f64) {
         let fit = &self.fits[pixel];
-        let Vec3 { x, y, z } = self.lights[k].direction;
+        let Vec3 { x, y, z } = self.samples.direction(k, pixel);
         let shaded = fit.robust.x * x + fit.robust.y * y + fit.robust.z * z;
         let residual = f64::from(self.samples.images[k][pixel].grey()) - shaded;
         (residual, weight(residual, self.inverse_reaches[pixel]))
+    }
+
+    /// Returns the exponent that best turns fitted into measured brightness, over samples that agree with the fit: 1 if
+    /// the photographs are linear, less if they are encoded by a curve; `None` without samples.
+    pub fn exponent(&self) -> Option<f64> {
+        /// The fraction of the albedo below which a sample says little about the curve.
+        const DARKEST: f64 = 0.15;
+        let parts = parallel::tasks(self.fits.len().div_ceil(PART), &|part| {
+            let (mut product, mut square) = (0.0, 0.0);
+            for pixel in part * PART..((part + 1) * PART).min(self.fits.len()) {
+                let length = self.fits[pixel].robust.length();
+                let mut logs = Vec::with_capacity(self.lights.len());
+                for k in 0..self.lights.len() {
+                    let (residual, weight) = self.residual(pixel, k);
+                    let sample = self.samples.images[k][pixel];
+                    let grey = f64::from(sample.grey());
+                    let fitted = grey - residual;
+                    if weight > 0.0 && !sample.is_saturated() && grey.min(fitted) > DARKEST * length {
+                        logs.push([scalar::ln(fitted), scalar::ln(grey)]);
+                    }
+                }
+                let count = logs.len().max(1) as f64;
+                let mean = [0, 1].map(|c| logs.iter().map(|v| v[c]).sum::<f64>() / count);
+                for [fitted, grey] in logs {
+                    product += (fitted - mean[0]) * (grey - mean[1]);
+                    square += (fitted - mean[0]) * (fitted - mean[0]);
+                }
+            }
+            [product, square]
+        });
+        let [product, square] = [0, 1].map(|c| parts.iter().map(|part| part[c]).sum::<f64>());
+        (square > 0.0).then(|| product / square)
     }
 
     /// Returns the residuals under each light.

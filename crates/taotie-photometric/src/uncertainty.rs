@@ -173,7 +173,8 @@ mod tests {
         let none = Sym3::default();
         let b = Vec3::new(0.0, 0.0, 0.7);
         let rejected = Vec3::splat(0.0);
-        let covariance = Sources { b, noise: none, sectors: none, turned, rejected, unseen: 0.0 }.covariance();
+        let covariance =
+            Sources { b, noise: none, sectors: none, turned, rejected, unseen: 0.0 }.covariance();
         let [t, u] = tangents(Vec3::new(0.0, 0.0, 1.0));
         let axis = covariance.main_axis();
         assert!((t * axis[0] + u * axis[1]).y.abs() > 0.999_999);

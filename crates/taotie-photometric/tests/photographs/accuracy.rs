@@ -12,7 +12,7 @@ pub fn estimate(photographs: &Photographs) -> Estimate {
     let mut warnings = Warnings::default();
     let set = PhotographSet::open(&photographs.lp, &mut warnings).unwrap();
     assert!(warnings.is_empty(), "{:?}", warnings.list());
-    let reading = Reading { mask: None, transfer: Transfer::Auto, limits: Default::default() };
+    let reading = Reading { mask: None, transfer: Transfer::Auto, flat: None, limits: Default::default() };
     let samples = Samples::read(&set, &reading, Progress::SILENT).unwrap();
     Estimate::of(&samples, Progress::SILENT).unwrap()
 }

@@ -40,7 +40,7 @@ fn write(folder: &Path, name: &str, bytes: &[u8]) {
 fn read(path: &Path, memory: u64) -> Result<Estimate, Error> {
     let set = PhotographSet::open(path, &mut Warnings::default())?;
     let limits = Limits { memory: Some(Bytes(memory)), ..Limits::default() };
-    let reading = Reading { mask: None, transfer: Transfer::Auto, limits };
+    let reading = Reading { mask: None, transfer: Transfer::Auto, flat: None, limits };
     Estimate::of(&Samples::read(&set, &reading, Progress::SILENT)?, Progress::SILENT)
 }
 
