@@ -137,9 +137,11 @@ impl<'a> Residuals<'a> {
     pub fn exponent(&self) -> Option<f64> {
         /// The fraction of the albedo below which a sample says little about the curve.
         const DARKEST: f64 = 0.15;
+        /// One in so many pixels is enough for one number.
+        const EVERY: usize = 16;
         let parts = parallel::tasks(self.fits.len().div_ceil(PART), &|part| {
             let (mut product, mut square) = (0.0, 0.0);
-            for pixel in part * PART..((part + 1) * PART).min(self.fits.len()) {
+            for pixel in (part * PART..((part + 1) * PART).min(self.fits.len())).step_by(EVERY) {
                 let length = self.fits[pixel].robust.length();
                 let mut logs = Vec::with_capacity(self.lights.len());
                 for k in 0..self.lights.len() {
