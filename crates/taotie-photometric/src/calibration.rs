@@ -37,12 +37,19 @@ pub struct Balls {
     pub residual_deg: Option<f64>,
 }
 
+/// The highlights of all circles in one photograph.
+type Seen = Vec<Option<Highlight>>;
+
 /// The fraction of the photographs in which a chrome ball must have a highlight.
 const SEEN: f64 = 0.8;
 /// How far highlights must move, as a standard deviation in radii: those of a fixed bright spot do not.
 const MOVED: f64 = 0.1;
 /// The fraction of a ball's edge that must be found.
-const EDGE: f64 = 0.6;
+const EDGE: f64 = 0.85;
+/// The most distance of the edge from its circle, root mean square, pixels.
+const ROUND: f64 = 0.65;
+/// How far the directions that two balls show may differ: by parallax, if lamps are near.
+const AGREED_DEG: f64 = 20.0;
 /// Lamps are near if their positions explain the rays this much better than directions, by variance.
 const BETTER: f64 = 0.5;
 
@@ -69,8 +76,10 @@ pub fn lights_of_balls(
             format!("it must be within the photographs of {}x{}", size[0], size[1]),
         ));
     }
-    let is_ball = |i: &usize| !setup.balls.is_empty() || is_chrome(&highlights, *i);
-    let balls: Vec<usize> = (0..outlines.len()).filter(is_ball).collect();
+    let balls = match setup.balls.is_empty() {
+        true => chosen(&outlines, &highlights),
+        false => (0..outlines.len()).collect(),
+    };
     if balls.is_empty() {
         return Err(Error::invalid(
             format!("{}: no lights", folder.display()),
@@ -92,23 +101,46 @@ pub fn lights_of_balls(
     Ok((lights, Balls { outlines: balls.iter().map(|i| outlines[*i]).collect(), residual_deg }))
 }
 
-/// Returns the mean of all photographs, in which noise and moving highlights fade.
+/// Returns the mean of all photographs without the two in which a pixel is brightest: highlights on balls vanish, edges
+/// remain.
 fn mean_image(paths: &[PathBuf], setup: &Setup, progress: Progress<'_>) -> Result<GreyImage> {
-    let mut mean: Option<GreyImage> = None;
+    let mut mean: Option<(GreyImage, Vec<[f32; 2]>)> = None;
     for (i, path) in paths.iter().enumerate() {
         progress.at(i as f64 / paths.len() as f64)?;
-        let image = grey_image(path, setup.transfer, &setup.limits)?;
-        match &mut mean {
-            None => mean = Some(image),
-            Some(mean) => {
-                check_size(path, &image, [mean.width, mean.height])?;
-                mean.values.iter_mut().zip(&image.values).for_each(|(sum, v)| *sum += v);
-            }
+        let mut image = grey_image(path, setup.transfer, &setup.limits)?;
+        clip(&mut image);
+        let (sums, brightest) = mean.get_or_insert_with(|| {
+            let count = image.values.len();
+            (
+                GreyImage { width: image.width, height: image.height, values: vec![0.0; count] },
+                vec![[0.0; 2]; count],
+            )
+        });
+        check_size(path, &image, [sums.width, sums.height])?;
+        for ((sum, [first, second]), v) in sums.values.iter_mut().zip(brightest).zip(image.values) {
+            *sum += v;
+            *second = second.max(v.min(*first));
+            *first = first.max(v);
         }
     }
-    let mut mean = mean.unwrap_or(GreyImage { width: 1, height: 1, values: vec![0.0] });
-    mean.values.iter_mut().for_each(|v| *v /= paths.len() as f32);
+    let Some((mut mean, brightest)) = mean else {
+        return Ok(GreyImage { width: 1, height: 1, values: vec![0.0] });
+    };
+    let count = paths.len().saturating_sub(2).max(1) as f32;
+    for (sum, [first, second]) in mean.values.iter_mut().zip(brightest) {
+        *sum = (*sum - first - second).max(0.0) / count;
+    }
     Ok(mean)
+}
+
+/// Clips highlights: in a float image they would outshine every edge.
+fn clip(image: &mut GreyImage) {
+    /// The quantile to which brighter values are clipped.
+    const BRIGHT: f64 = 0.9;
+    let mut sorted = image.values.clone();
+    let at = (BRIGHT * (sorted.len() - 1) as f64) as usize;
+    let most = *sorted.select_nth_unstable_by(at, f32::total_cmp).1;
+    image.values.iter_mut().for_each(|v| *v = v.min(most));
 }
 
 fn check_size(path: &Path, image: &GreyImage, [width, height]: [usize; 2]) -> Result<()> {
@@ -128,6 +160,7 @@ fn detected(mean: &GreyImage) -> Vec<Outline> {
     let outlines = parallel::tasks(found.len(), &|i| refined(mean, found[i]));
     let inside = |outline: &Outline| {
         outline.share > EDGE
+            && outline.residual < ROUND
             && outline.circle.radius >= crate::circle::LEAST_RADIUS
             && outline.circle.is_within([mean.width, mean.height])
     };
@@ -140,7 +173,7 @@ fn highlights(
     setup: &Setup,
     outlines: &[Outline],
     progress: Progress<'_>,
-) -> Result<([usize; 2], Vec<Vec<Option<Highlight>>>)> {
+) -> Result<([usize; 2], Vec<Seen>)> {
     let done = AtomicUsize::new(0);
     let found = parallel::try_tasks(paths.len(), &|i| {
         let image = grey_image(&paths[i], setup.transfer, &setup.limits)?;
@@ -152,8 +185,35 @@ fn highlights(
     Ok((size, found.into_iter().map(|(_, highlights)| highlights).collect()))
 }
 
+/// Returns the circles that are chrome balls: those whose highlights agree with another's, or the clearest one.
+fn chosen(outlines: &[Outline], highlights: &[Seen]) -> Vec<usize> {
+    let inside = |a: &Circle, b: &Circle| {
+        let [dx, dy] = [0, 1].map(|axis| a.center[axis] - b.center[axis]);
+        (dx * dx + dy * dy).sqrt() < b.radius && a.radius < b.radius
+    };
+    let chrome: Vec<usize> = (0..outlines.len()).filter(|i| is_chrome(highlights, *i)).collect();
+    // Reflections within a ball have circles too.
+    let is_part = |i: &usize| chrome.iter().any(|j| inside(&outlines[*i].circle, &outlines[*j].circle));
+    let whole: Vec<usize> = chrome.iter().copied().filter(|i| !is_part(i)).collect();
+    let agrees = |i: &usize| whole.iter().any(|j| j != i && difference(highlights, [*i, *j]) < AGREED_DEG);
+    let agreed: Vec<usize> = whole.iter().copied().filter(agrees).collect();
+    let clearest = whole.iter().copied().max_by(|a, b| outlines[*a].share.total_cmp(&outlines[*b].share));
+    if agreed.is_empty() { clearest.into_iter().collect() } else { agreed }
+}
+
+/// Returns the median angle between the directions that two circles show, degrees.
+fn difference(highlights: &[Seen], [i, j]: [usize; 2]) -> f64 {
+    let angle = |seen: &Seen| Some(taotie_engine::compare::angle_deg(seen[i]?.direction, seen[j]?.direction));
+    let mut angles: Vec<f64> = highlights.iter().filter_map(angle).collect();
+    let middle = angles.len() / 2;
+    match angles.len() {
+        0 => f64::INFINITY,
+        _ => *angles.select_nth_unstable_by(middle, f64::total_cmp).1,
+    }
+}
+
 /// Returns true if circle `i` has a small highlight that moves with the light.
-fn is_chrome(highlights: &[Vec<Option<Highlight>>], i: usize) -> bool {
+fn is_chrome(highlights: &[Seen], i: usize) -> bool {
     let seen: Vec<Vec3<f64>> = highlights.iter().filter_map(|seen| Some(seen[i]?.normal)).collect();
     let mean = seen.iter().fold(Vec3::splat(0.0), |sum, n| sum + *n) / seen.len().max(1) as f64;
     let squares: f64 = seen.iter().map(|n| (*n - mean).dot(*n - mean)).sum();

@@ -53,9 +53,11 @@ impl Circle {
         inside(self.center[0], width) && inside(self.center[1], height)
     }
 
-    fn overlaps(&self, other: &Self) -> bool {
+    /// Returns true if the circles are nearly the same. A ball that mirrors the horizon shows two around one centre.
+    fn is_like(&self, other: &Self) -> bool {
         let [dx, dy] = [0, 1].map(|axis| self.center[axis] - other.center[axis]);
-        (dx * dx + dy * dy).sqrt() < self.radius.max(other.radius)
+        let (less, more) = (self.radius.min(other.radius), self.radius.max(other.radius));
+        (dx * dx + dy * dy).sqrt() < 0.5 * more && less > 0.8 * more
     }
 }
 
@@ -79,7 +81,7 @@ const COVERED: f64 = 0.4;
 /// The most candidates.
 const MOST: usize = 24;
 /// The smallest radius in the coarse picture.
-const LEAST_COARSE: usize = 5;
+const LEAST_COARSE: usize = 7;
 
 /// Returns the circles that edges suggest, the clearest first, in pixels of the whole picture.
 pub fn candidates(image: &GreyImage) -> Vec<Circle> {
@@ -107,7 +109,7 @@ pub fn candidates(image: &GreyImage) -> Vec<Circle> {
     found.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut kept: Vec<Circle> = Vec::new();
     for (_, circle) in found {
-        if kept.len() < MOST && !kept.iter().any(|other| other.overlaps(&circle)) {
+        if kept.len() < MOST && !kept.iter().any(|other| other.is_like(&circle)) {
             kept.push(circle);
         }
     }
@@ -248,7 +250,7 @@ mod tests {
                 let [dx, dy] = [x - c.center[0], y - c.center[1]];
                 dx * dx + dy * dy < c.radius * c.radius
             });
-            inside.map_or(0.4 + 0.1 * (0.3 * x + 0.2 * y).sin() as f32, |(_, grey)| *grey)
+            inside.map_or(0.4 + 0.1 * scalar::sin(0.3 * x + 0.2 * y) as f32, |(_, grey)| *grey)
         };
         let pixel = |i: usize| {
             let at = |k: usize, j: usize| {
@@ -271,7 +273,7 @@ mod tests {
             let image = drawn(&balls, size);
             let found = candidates(&image);
             for (ball, _) in balls {
-                let near = found.iter().find(|c| c.overlaps(&ball)).expect("a candidate");
+                let near = found.iter().find(|c| c.is_like(&ball)).expect("a candidate");
                 let outline = refined(&image, *near).unwrap();
                 let Circle { center: [x, y], radius } = outline.circle;
                 let off = [x - ball.center[0], y - ball.center[1], radius - ball.radius];

@@ -177,12 +177,15 @@ mod tests {
     #[test]
     fn a_smooth_relief_is_integrated_to_a_hundredth_of_a_pixel() {
         let side = 96;
-        let height = |x: f64, y: f64| 6.0 * (0.1 * x).sin() * (0.08 * y).cos();
+        let height = |x: f64, y: f64| 6.0 * scalar::sin(0.1 * x) * scalar::cos(0.08 * y);
         let normals: Vec<Vec3<f64>> = (0..side * side)
             .map(|i| {
                 let [x, y] = [i % side, i / side].map(|v| v as f64);
                 // y points up, rows down.
-                normal(0.6 * (0.1 * x).cos() * (0.08 * y).cos(), 0.48 * (0.1 * x).sin() * (0.08 * y).sin())
+                normal(
+                    0.6 * scalar::cos(0.1 * x) * scalar::cos(0.08 * y),
+                    0.48 * scalar::sin(0.1 * x) * scalar::sin(0.08 * y),
+                )
             })
             .collect();
         let found = integrated(grid(side), &normals, Progress::SILENT).unwrap();

@@ -229,8 +229,8 @@ pub fn grey_image(path: &Path, transfer: Transfer, limits: &Limits) -> Result<Gr
 fn estimated_bytes(photographs: usize, pixels: usize, shape: Shape) -> u64 {
     /// The program itself.
     const PROGRAM: u64 = 32 << 20;
-    /// Estimates, covariances and files of a pixel.
-    const RESULTS: u64 = 400;
+    /// Estimates, covariances, heights and files of a pixel.
+    const RESULTS: u64 = 800;
     /// A decoded pixel with the decoder's own copy.
     const DECODED: u64 = 24;
     let threads = taotie_io::most_threads().unwrap_or(16).min(photographs) as u64;

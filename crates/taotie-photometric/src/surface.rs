@@ -2,7 +2,7 @@
 
 use crate::depth::Relief;
 use crate::estimate::Estimate;
-use taotie_engine::error::{Error, Result};
+use taotie_engine::error::Result;
 use taotie_engine::math::{Vec2, Vec3};
 use taotie_engine::mesh::{Mesh, MeshData};
 use taotie_engine::scene::{Instance, Scene, SceneData};
@@ -12,13 +12,18 @@ const SIDE: usize = 512;
 
 impl Estimate {
     /// Returns the relief as a surface of at most 512 × 512 vertices with the estimated normals and base colour; the
-    /// vertices are at pixel centres, one unit being `pixel_size` pixels' sides. Depth edges are open.
+    /// vertices are at pixel centres, `pixel_size` apart. Depth edges are open. `None` if no four neighbouring pixels have a
+    /// normal.
     ///
     /// # Errors
-    /// [`Error::Invalid`] if no four neighbouring pixels have a normal; those of [`Scene::new`], none of which can occur.
-    pub fn surface(&self, relief: &Relief, pixel_size: f64) -> Result<Scene> {
-        let mesh = Mesh::new(self.mesh(relief, pixel_size)?)?;
-        Scene::new(SceneData {
+    /// Those of [`Scene::new`], none of which can occur.
+    pub fn surface(&self, relief: &Relief, pixel_size: f64) -> Result<Option<Scene>> {
+        let data = self.mesh(relief, pixel_size);
+        if data.triangles.is_empty() {
+            return Ok(None);
+        }
+        let mesh = Mesh::new(data)?;
+        let scene = Scene::new(SceneData {
             meshes: vec![mesh],
             instances: vec![Instance {
                 mesh: 0,
@@ -26,10 +31,11 @@ impl Estimate {
                 world_from_object: taotie_engine::math::Mat4::IDENTITY,
             }],
             ..self.appearance(None)?
-        })
+        })?;
+        Ok(Some(scene))
     }
 
-    fn mesh(&self, relief: &Relief, pixel_size: f64) -> Result<MeshData> {
+    fn mesh(&self, relief: &Relief, pixel_size: f64) -> MeshData {
         let grid = &relief.grid;
         let step = grid.width.max(grid.height).div_ceil(SIDE);
         let [width, height] = [grid.width, grid.height].map(|side| side as f64);
@@ -59,10 +65,7 @@ impl Estimate {
                 data.triangles.extend([[a, d, c], [a, c, b]]);
             }
         }
-        match data.triangles.is_empty() {
-            true => Err(Error::invalid("no surface", "no four neighbouring pixels have a normal")),
-            false => Ok(data),
-        }
+        data
     }
 }
 

@@ -38,6 +38,11 @@ impl Output<'_> {
         let pixel_size = self.args.pixel_size.unwrap_or(1.0);
         self.write_floats("depth.exr", &self.relief.image(pixel_size))?;
         let surface = self.estimate.surface(self.relief, pixel_size)?;
+        warnings.note(
+            "no four neighbouring pixels have a normal: relief.glb holds the flat rectangle",
+            usize::from(surface.is_none()),
+        );
+        let surface = surface.map_or_else(|| self.estimate.plane(), Ok)?;
         let relief = taotie_io::encode_scene(&surface, &["relief".to_owned()], &mut warnings)?;
         self.files.write_bytes(&self.args.path("relief.glb"), &relief)?;
         Ok(warnings)

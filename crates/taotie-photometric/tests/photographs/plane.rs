@@ -38,7 +38,7 @@ fn the_relief_has_the_shape_of_the_object() {
     let found = estimate.relief(taotie_engine::Progress::SILENT).unwrap();
     // The test's relief is 2 units across 64 pixels, all but a hundredth of it in the picture.
     let pixel = 2.0 * 0.99 / 64.0;
-    let scene = estimate.surface(&found, pixel).unwrap();
+    let scene = estimate.surface(&found, pixel).unwrap().unwrap();
     let mut warnings = Warnings::default();
     let glb = taotie_io::encode_scene(&scene, &["relief".to_owned()], &mut warnings).unwrap();
     assert!(warnings.is_empty(), "{:?}", warnings.list());

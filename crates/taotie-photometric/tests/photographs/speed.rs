@@ -53,9 +53,5 @@ fn a_dome_of_96_photographs_is_fast() {
     let fitted = start.elapsed().as_secs_f64();
     let relief = estimate.relief(Progress::SILENT).unwrap();
     println!("depth     {:.2} s, {} pixels", start.elapsed().as_secs_f64() - fitted, relief.heights.len());
-    println!(
-        "estimate  {:.2} s, mean sigma {:.2}°",
-        fitted,
-        estimate.mean(|p| p.sigma_deg)
-    );
+    println!("estimate  {:.2} s, mean sigma {:.2}°", fitted, estimate.mean(|p| p.sigma_deg));
 }
