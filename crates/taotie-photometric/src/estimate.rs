@@ -2,12 +2,13 @@
 
 use crate::block::LANES;
 use crate::grid::Grid;
-use crate::indirect::{ASSUMED_ALBEDO, Indirect, quantile};
+use crate::indirect::{ASSUMED_ALBEDO, Indirect};
 use crate::residuals::{LightResiduals, PixelResiduals, Residuals};
 use crate::robust::{self, Fit, Robust, Scratch};
 use crate::samples::Samples;
+use crate::sources::AllSources;
 use crate::symmetric::Sym2;
-use crate::uncertainty::{RadiusTable, Sources, tangents};
+use crate::uncertainty::{RadiusTable, tangents};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use taotie_engine::compare::Field;
 use taotie_engine::error::{Error, Result};
@@ -17,9 +18,6 @@ use taotie_engine::{Progress, parallel};
 
 /// The largest uncertainty of a normal, degrees. Beyond it, as in a dark background, the normal means nothing.
 const MOST_SIGMA_DEG: f64 = 45.0;
-
-/// The fraction of the bright pixels' albedo below which a pixel is background.
-const BACKGROUND: f64 = 0.005;
 
 /// Blocks of a task.
 const BLOCKS: usize = 64;
@@ -62,10 +60,14 @@ pub struct Estimate {
     robust: Vec<Vec3<f64>>,
     /// The residuals under each light.
     pub lights: Vec<LightResiduals>,
+    /// The exponent between fitted and measured brightness: near 1 if the photographs are linear.
+    pub exponent: Option<f64>,
     /// Albedo of bright pixels, as indirect light shows it.
     pub albedo: f64,
     /// The samples in shadow that it was measured in; 0 if it is assumed.
     pub shadows: usize,
+    /// Light in shadows that the estimated relief does not explain, relative to all light there, in [0, 1].
+    pub unexplained: f64,
 }
 
 /// An estimator of normals.
@@ -89,17 +91,15 @@ impl Estimate {
         let grid = Grid::new(width, height, samples.pixels.clone());
         let robust = Robust::new(samples);
         let fits = fits(&robust, samples, progress.stage("fit"))?;
-        let inverse_reaches = fits.iter().map(Fit::inverse_reach).collect();
-        let residuals =
-            Residuals { samples, grid: &grid, lights: robust.lights(), fits: &fits, inverse_reaches };
+        let residuals = Residuals::new(samples, &grid, robust.lights(), &fits);
         let fitted: Vec<Vec3<f64>> = fits.iter().map(|fit| fit.robust).collect();
         let indirect = match robust.lights().len() < robust::FEWEST {
-            true => Indirect { direct: fitted.clone(), albedo: ASSUMED_ALBEDO, shadows: 0 },
+            true => Indirect { direct: fitted.clone(), albedo: ASSUMED_ALBEDO, shadows: 0, unexplained: 0.0 },
             false => Indirect::remove(samples, &grid, &fitted, progress.begin("indirect light")?)?,
         };
         progress.begin("uncertainty")?;
         let of_pixels = residuals.of_pixels();
-        let best = best(&grid, &of_pixels, &fitted, &indirect.direct);
+        let best = best(&grid, &of_pixels, &fits, &indirect);
         if best.iter().all(Option::is_none) {
             let why = "the photographs are black within the mask, or do not fit the lights";
             return Err(Error::invalid("no pixel has a normal", why));
@@ -112,8 +112,10 @@ impl Estimate {
             least_squares: fits.iter().map(|fit| unit(fit.least_squares)).collect(),
             robust: fits.iter().map(|fit| unit(fit.robust)).collect(),
             lights: residuals.of_lights(),
+            exponent: residuals.exponent(),
             albedo: indirect.albedo,
             shadows: indirect.shadows,
+            unexplained: indirect.unexplained,
         })
     }
 
@@ -202,7 +204,8 @@ fn fits(robust: &Robust, samples: &Samples, progress: Progress<'_>) -> Result<Ve
     each(&refined, progress.part(0.7, 1.0))
 }
 
-fn unit(b: Vec3<f64>) -> Vec3<f64> {
+/// Returns the vector scaled to length 1; zero if it has no direction.
+pub fn unit(b: Vec3<f64>) -> Vec3<f64> {
     b.normalize_or(Vec3::splat(0.0))
 }
 
@@ -210,39 +213,22 @@ fn unit(b: Vec3<f64>) -> Vec3<f64> {
 fn best(
     grid: &Grid,
     residuals: &[PixelResiduals],
-    fitted: &[Vec3<f64>],
-    direct: &[Vec3<f64>],
+    fits: &[Fit],
+    indirect: &Indirect,
 ) -> Vec<Option<PixelEstimate>> {
-    let variances: Vec<f64> = residuals.iter().map(|residuals| residuals.variance).collect();
-    let shared: Vec<f64> = residuals.iter().map(|residuals| residuals.shared).collect();
-    let normals: Vec<Vec3<f64>> = direct.iter().map(|b| unit(*b)).collect();
+    let sources = AllSources::new(grid, residuals, fits, indirect);
+    let direct = &indirect.direct;
     let table = RadiusTable::new();
-    let background = BACKGROUND * quantile(direct.iter().map(|b| b.length()).collect(), 0.95);
     parallel::collect(direct.len(), |i| {
-        let (b, normal) = (direct[i], normals[i]);
-        let inverse = residuals[i].inverse?;
-        if normal.z.is_nan() || normal.z <= 0.0 || b.length() <= background {
-            return None;
-        }
-        let misfit = grid.smoothed(&shared, i);
-        let variance = grid.smoothed(&variances, i);
-        let differences = grid.neighbours(i).map(|other| {
-            let difference = normal - normals[other];
-            difference.dot(difference)
-        });
-        let (sum, count) = differences.fold((0.0, 0.0), |(sum, count), v| (sum + v, count + 1.0));
-        let turned = unit(fitted[i]).cross(normal).length();
-        let noise = (variance - misfit).max(0.0);
-        let curvature = if count > 0.0 { sum / count } else { 0.0 };
-        let covariance = Sources { b, inverse, noise, misfit, turned, curvature }.covariance();
+        let covariance = sources.of(i)?.covariance();
         let deviations = covariance.eigenvalues().map(f64::sqrt);
         let sigma_deg = table.radius(deviations).to_degrees();
         if sigma_deg.is_nan() || sigma_deg > MOST_SIGMA_DEG {
             return None;
         }
-        let albedo = b.length();
+        let albedo = direct[i].length();
         Some(PixelEstimate {
-            normal,
+            normal: unit(direct[i]),
             albedo,
             covariance,
             sigma_deg,

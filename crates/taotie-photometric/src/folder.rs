@@ -6,10 +6,10 @@ use taotie_engine::error::{Error, Result};
 use taotie_io::quote;
 
 /// Extensions of images that are read.
-const READ: [&str; 7] = ["png", "jpg", "jpeg", "exr", "hdr", "tga", "webp"];
+const READ: [&str; 9] = ["png", "jpg", "jpeg", "tif", "tiff", "exr", "hdr", "tga", "webp"];
 
 /// Extensions of images that are not.
-const UNREAD: [&str; 10] = ["tif", "tiff", "dng", "cr2", "cr3", "nef", "arw", "raf", "orf", "rw2"];
+const UNREAD: [&str; 8] = ["dng", "cr2", "cr3", "nef", "arw", "raf", "orf", "rw2"];
 
 /// The files of a folder.
 pub struct Folder {
@@ -123,7 +123,7 @@ pub fn check_format(path: &Path) -> Result<()> {
     let what = format!("{}: the image format '{extension}'", path.display());
     Err(Error::unsupported(
         what,
-        "convert the photographs to 16-bit PNG in linear light, without a tone curve",
+        "convert the photographs to 16-bit TIFF or PNG in linear light, without a tone curve",
     ))
 }
 

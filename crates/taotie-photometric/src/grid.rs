@@ -47,13 +47,11 @@ impl Grid {
         [(1, 0), (-1, 0), (0, 1), (0, -1)].into_iter().filter_map(move |(dx, dy)| self.at(x + dx, y + dy))
     }
 
-    /// Returns the mean of an element's values and those of its eight neighbours.
-    pub fn smoothed(&self, values: &[f64], element: usize) -> f64 {
+    /// The element itself and its neighbours, at most nine.
+    pub fn around(&self, element: usize) -> impl Iterator<Item = usize> {
         let [x, y] = self.position(element).map(|v| v as i64);
-        let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (x + dx, y + dy)));
-        let (sum, count) = around
+        (-1..=1)
+            .flat_map(move |dy| (-1..=1).map(move |dx| (x + dx, y + dy)))
             .filter_map(|(x, y)| self.at(x, y))
-            .fold((0.0, 0.0), |(sum, count), other| (sum + values[other], count + 1.0));
-        sum / count
     }
 }

@@ -24,6 +24,8 @@ const ROUNDS: usize = 2;
 const FEWEST_SHADOWS: usize = 50;
 /// The albedo of bright pixels assumed without shadows.
 pub const ASSUMED_ALBEDO: f64 = 0.5;
+/// The fraction of the light in shadows that is assumed to be unexplained without shadows.
+const ASSUMED_UNEXPLAINED: f64 = 0.5;
 /// The quantile of |b| that counts as bright.
 const BRIGHT: f64 = 0.95;
 /// The fraction of the bright |b| below which a cell is background.
@@ -42,6 +44,8 @@ pub struct Indirect {
     pub albedo: f64,
     /// The number of samples in shadow that it was measured in; 0 if it is assumed.
     pub shadows: usize,
+    /// Light in shadows that the relief does not explain, relative to all light there: root mean squares, in [0, 1].
+    pub unexplained: f64,
 }
 
 impl Indirect {
@@ -57,8 +61,13 @@ impl Indirect {
     ) -> Result<Self> {
         let coarse = Coarse::new(samples, grid, fitted);
         let mut direct = coarse.fitted.clone();
-        let mut light =
-            Light { in_sight: vec![Vec3::splat(0.0); direct.len()], factor: 0.0, bright: 1.0, shadows: 0 };
+        let mut light = Light {
+            in_sight: vec![Vec3::splat(0.0); direct.len()],
+            factor: 0.0,
+            bright: 1.0,
+            shadows: 0,
+            unexplained: ASSUMED_UNEXPLAINED,
+        };
         for round in 0..ROUNDS {
             progress.at(round as f64 / ROUNDS as f64)?;
             let normals: Vec<_> = direct.iter().map(|b| b.normalize_or(Vec3::new(0.0, 0.0, 1.0))).collect();
@@ -74,7 +83,12 @@ impl Indirect {
             without(fitted[i], in_sight, light.factor).to_array()
         });
         let direct = direct.into_iter().map(Vec3::from_array).collect();
-        Ok(Self { direct, albedo: light.factor * light.bright, shadows: light.shadows })
+        Ok(Self {
+            direct,
+            albedo: light.factor * light.bright,
+            shadows: light.shadows,
+            unexplained: light.unexplained,
+        })
     }
 }
 
@@ -114,6 +128,8 @@ struct Light {
     bright: f64,
     /// Samples in shadow.
     shadows: usize,
+    /// Light in shadows that the relief does not explain.
+    unexplained: f64,
 }
 
 impl Coarse {
@@ -155,30 +171,42 @@ impl Coarse {
         });
         let in_sight = in_sight.collect();
         if direct.is_empty() {
-            return Light { in_sight, factor: ASSUMED_ALBEDO, bright: 1.0, shadows: 0 };
+            return Light {
+                in_sight,
+                factor: ASSUMED_ALBEDO,
+                bright: 1.0,
+                shadows: 0,
+                unexplained: ASSUMED_UNEXPLAINED,
+            };
         }
         let lengths: Vec<f64> = direct.iter().map(|b| b.length()).collect();
         let typical = quantile(lengths.clone(), 0.5);
         let bright = quantile(lengths.clone(), BRIGHT).max(f64::MIN_POSITIVE);
         // Regression through the origin of the grey in attached shadows on the light in sight.
-        let (mut product, mut square, mut shadows) = (0.0, 0.0, 0);
+        let (mut product, mut square, mut total, mut shadows) = (0.0, 0.0, 0.0, 0);
         for (cell, b) in direct.iter().enumerate() {
             let in_shadow = |(_, l): &(usize, &Vec3<f64>)| b.dot(**l) < -SHADOW * lengths[cell];
             for (k, _) in samples.lights.iter().enumerate().filter(in_shadow) {
                 let seen: f64 = rays(cell).map(|hit| f64::from(self.images[k][*hit as usize])).sum();
                 let x = lengths[cell] * seen / RAYS as f64;
                 if x > 1e-4 * typical * typical {
-                    product += x * f64::from(self.images[k][cell]);
+                    let grey = f64::from(self.images[k][cell]);
+                    product += x * grey;
+                    total += grey * grey;
                     square += x * x;
                     shadows += 1;
                 }
             }
         }
         let most = MOST_ALBEDO / bright;
-        match shadows >= FEWEST_SHADOWS {
-            true => Light { in_sight, factor: (product / square).min(most), bright, shadows },
-            false => Light { in_sight, factor: ASSUMED_ALBEDO / bright, bright, shadows: 0 },
+        if shadows < FEWEST_SHADOWS {
+            let factor = ASSUMED_ALBEDO / bright;
+            return Light { in_sight, factor, bright, shadows: 0, unexplained: ASSUMED_UNEXPLAINED };
         }
+        let factor = (product / square).min(most);
+        let rest = total - 2.0 * factor * product + factor * factor * square;
+        let unexplained = (rest / total.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0).sqrt();
+        Light { in_sight, factor, bright, shadows, unexplained }
     }
 
     /// Returns the value at a pixel, interpolated between the centres of cells.

@@ -7,35 +7,50 @@
 //!
 //! let mut warnings = Warnings::default();
 //! let set = PhotographSet::open("coin/dome.lp".as_ref(), &mut warnings)?;
-//! let reading = Reading { mask: None, transfer: Transfer::Auto, limits: Default::default() };
+//! let reading = Reading { mask: None, transfer: Transfer::Auto, flat: None, limits: Default::default() };
 //! let samples = Samples::read(&set, &reading, Progress::SILENT)?;
 //! let estimate = Estimate::of(&samples, Progress::SILENT)?;
 //! println!("mean uncertainty {:.2}°", estimate.mean(|pixel| pixel.sigma_deg));
 //! # Ok::<(), taotie_engine::Error>(())
 //! ```
 //!
-//! Light is distant, and the camera far away. Estimates do not depend on the number of threads.
+//! The camera is far away; light comes from far away or from lamps whose places are known. Estimates do not depend on
+//! the number of threads.
 
 mod block;
+mod calibration;
+mod circle;
+mod depth;
 mod diligent;
 mod estimate;
 mod folder;
+mod grey;
 mod grid;
+mod highlight;
 mod indirect;
+mod lamp;
 mod light;
 mod lp;
+mod multigrid;
 mod plane;
 mod relief;
 mod residuals;
 mod robust;
 mod samples;
 mod set;
+mod sources;
+mod surface;
 mod symmetric;
+mod truth;
 mod uncertainty;
 
+pub use calibration::{Balls, Setup};
+pub use circle::{Circle, Outline};
+pub use depth::Relief;
 pub use estimate::{Estimate, Estimator, PixelEstimate};
 pub use light::Light;
 pub use residuals::LightResiduals;
 pub use samples::{Reading, Sample, Samples, Transfer};
 pub use set::{Photograph, PhotographSet};
 pub use symmetric::Sym2;
+pub use truth::{Coverage, averaged};

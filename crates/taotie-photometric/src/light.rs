@@ -3,13 +3,25 @@
 use taotie_engine::error::{Error, Result};
 use taotie_engine::math::Vec3;
 
-/// The light of one photograph: distant, from one direction.
+/// The light of one photograph.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Light {
-    /// Unit vector towards the light: x to the right of the picture, y up, z towards the camera.
+    /// Unit vector towards the light from the picture's centre: x to the right of the picture, y up, z towards the
+    /// camera.
     pub direction: Vec3<f64>,
     /// Radiance in red, green and blue, above 0, relative to the other photographs.
     pub intensity: [f64; 3],
+    /// The place of a near lamp, pixels from the picture's centre on the plane of the object; `None` if it is distant.
+    pub position: Option<Vec3<f64>>,
+}
+
+/// A light as one pixel sees it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lit {
+    /// Unit vector towards the light.
+    pub direction: Vec3<f64>,
+    /// The squared distance, relative to that of the picture's centre: samples are multiplied by it.
+    pub falloff: f64,
 }
 
 impl Light {
@@ -17,7 +29,41 @@ impl Light {
     pub fn towards(vector: [f64; 3]) -> Option<Self> {
         let length = vector.iter().fold(0.0, |sum: f64, v| sum + v * v).sqrt();
         let usable = length.is_finite() && length > 1e-9;
-        usable.then(|| Self { direction: Vec3::from_array(vector.map(|v| v / length)), intensity: [1.0; 3] })
+        usable.then(|| Self {
+            direction: Vec3::from_array(vector.map(|v| v / length)),
+            intensity: [1.0; 3],
+            position: None,
+        })
+    }
+
+    /// Returns the light as a pixel of a picture sees it, if its surface is on the plane of the object.
+    pub fn at(&self, pixel: [usize; 2], size: [usize; 2]) -> Lit {
+        match self.position {
+            None => Lit { direction: self.direction, falloff: 1.0 },
+            Some(position) => near(position, pixel, size),
+        }
+    }
+}
+
+/// Returns a near lamp as a pixel sees it.
+pub fn near(position: Vec3<f64>, pixel: [usize; 2], [width, height]: [usize; 2]) -> Lit {
+    let x = pixel[0] as f64 + 0.5 - 0.5 * width as f64;
+    let y = 0.5 * height as f64 - pixel[1] as f64 - 0.5;
+    let to = position - Vec3::new(x, y, 0.0);
+    let square = to.dot(to);
+    let direction = to / square.sqrt().max(f64::MIN_POSITIVE);
+    Lit { direction, falloff: square / position.dot(position) }
+}
+
+/// Sets the intensities of near lamps that are equally bright: those further away light the object less.
+pub fn equalise(lights: &mut [Light]) {
+    let square = |light: &Light| light.position.map(|position| position.dot(position));
+    let sum: f64 = lights.iter().filter_map(square).sum();
+    let mean = sum / lights.iter().filter_map(square).count().max(1) as f64;
+    for light in lights {
+        if let Some(square) = square(light) {
+            light.intensity = [mean / square; 3];
+        }
     }
 }
 

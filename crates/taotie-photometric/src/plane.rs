@@ -22,34 +22,42 @@ impl Estimate {
     /// # Errors
     /// Those of [`Scene::new`], none of which can occur.
     pub fn plane(&self) -> Result<Scene> {
-        let (width, height) = (self.width(), self.height());
         let opaque = |[x, y, z, _]: [u16; 4]| [x, y, z, u16::MAX];
         let normals = Texels::U16(self.normal_codes().into_iter().map(opaque).collect());
-        let normals = Texture::new(Bitmap::new(width, height, 3, normals)?, Encoding::Normal);
+        let normals = Texture::new(Bitmap::new(self.width(), self.height(), 3, normals)?, Encoding::Normal);
+        Scene::new(SceneData {
+            meshes: vec![rectangle(self.width(), self.height())?],
+            instances: vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }],
+            ..self.appearance(Some(normals))?
+        })
+    }
+
+    /// Returns a material and its textures: the base colour, and a normal map if there is one.
+    pub(crate) fn appearance(&self, normals: Option<Texture>) -> Result<SceneData> {
+        let (width, height) = (self.width(), self.height());
         let colors = Texels::U8(self.base_colors());
         let colors = Texture::new(Bitmap::new(width, height, 4, colors)?, Encoding::Srgb);
         let sampler = Sampler { wrap_u: Wrap::Clamp, wrap_v: Wrap::Clamp, ..Sampler::default() };
         let used = |texture| TextureRef { texture, uv_set: 0, sampler, transform: UvTransform::default() };
-        let normal =
-            NormalMap { texture: used(0), scale: 1.0, space: NormalSpace::Tangent, green: GreenChannel::Up };
+        let normal = normals.as_ref().map(|_| NormalMap {
+            texture: used(1),
+            scale: 1.0,
+            space: NormalSpace::Tangent,
+            green: GreenChannel::Up,
+        });
         let masked =
             self.best.len() < width as usize * height as usize || self.best.iter().any(Option::is_none);
         let material = Material {
             name: "photographs".to_owned(),
-            base_color_texture: Some(used(1)),
+            base_color_texture: Some(used(0)),
             metallic: 0.0,
             roughness: ROUGHNESS,
-            normal: Some(normal),
+            normal,
             alpha: if masked { AlphaMode::Mask(0.5) } else { AlphaMode::Opaque },
             ..Material::default()
         };
-        Scene::new(SceneData {
-            meshes: vec![rectangle(width, height)?],
-            materials: vec![material],
-            textures: vec![normals, colors],
-            instances: vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }],
-            ..SceneData::default()
-        })
+        let textures = [colors].into_iter().chain(normals).collect();
+        Ok(SceneData { materials: vec![material], textures, ..SceneData::default() })
     }
 
     /// Returns the best normals as codes of 16 bits, (n + 1) / 2; transparent and towards the camera without one.

@@ -1,16 +1,18 @@
-//! The residuals of the robust fit: their variance in each pixel, the part that neighbours share, and their size under
-//! each light.
+//! The residuals of the robust fit: their variance in each pixel, how they pull at the fit from each side, and their
+//! size under each light.
 
 use crate::block::LightTerms;
 use crate::grid::Grid;
 use crate::robust::{Fit, weight};
 use crate::samples::Samples;
 use crate::symmetric::Sym3;
-use taotie_engine::math::Vec3;
+use taotie_engine::math::{Vec3, scalar};
 use taotie_engine::parallel;
 
 /// The weight above which a sample's residual is compared with its neighbours'.
 const COMPARED: f64 = 0.3;
+/// Sectors of lights around the view.
+pub const SECTORS: usize = 6;
 /// A sample darker than this fraction of the fit is in shadow.
 const SHADOW: f64 = 0.5;
 /// Pixels of a part: sums do not depend on the number of threads.
@@ -23,8 +25,12 @@ pub struct PixelResiduals {
     pub inverse: Option<Sym3>,
     /// Weighted variance.
     pub variance: f64,
-    /// Mean product with the residuals of neighbours under the same light, from 0 to the variance.
+    /// Mean product with the residuals of neighbours under the same light, from 0 to the variance: misfit is alike in
+    /// both, noise is not.
     pub shared: f64,
+    /// Covariance of the fit if the residuals of a sector of lights err together (a cluster-robust covariance: Liang
+    /// and Zeger 1986).
+    pub sectors: Sym3,
 }
 
 /// The residuals under one light.
@@ -59,9 +65,24 @@ pub struct Residuals<'a> {
     pub fits: &'a [Fit],
     /// [`Fit::inverse_reach`] of each pixel.
     pub inverse_reaches: Vec<f64>,
+    /// The sector of each light.
+    sectors: Vec<usize>,
 }
 
-impl Residuals<'_> {
+impl<'a> Residuals<'a> {
+    /// Prepares the lights; sectors have equally many, by the angle around the view.
+    pub fn new(samples: &'a Samples, grid: &'a Grid, lights: &'a [LightTerms], fits: &'a [Fit]) -> Self {
+        let angle = |k: &usize| scalar::atan2(lights[*k].direction.y, lights[*k].direction.x);
+        let mut order: Vec<usize> = (0..lights.len()).collect();
+        order.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
+        let mut sectors = vec![0; lights.len()];
+        for (i, k) in order.into_iter().enumerate() {
+            sectors[k] = i * SECTORS / lights.len();
+        }
+        let inverse_reaches = fits.iter().map(Fit::inverse_reach).collect();
+        Self { samples, grid, lights, fits, inverse_reaches, sectors }
+    }
+
     /// Returns the residuals of each pixel.
     pub fn of_pixels(&self) -> Vec<PixelResiduals> {
         parallel::collect(self.fits.len(), |i| self.of_pixel(i))
@@ -72,11 +93,14 @@ impl Residuals<'_> {
         let others = [self.grid.at(x + 1, y), self.grid.at(x, y + 1)];
         let (mut matrix, mut squares, mut total) = (Sym3::default(), 0.0, 0.0);
         let (mut products, mut pairs) = (0.0, 0.0);
+        let mut pulls = [Vec3::splat(0.0); SECTORS];
         for k in 0..self.lights.len() {
             let (residual, weight) = self.residual(pixel, k);
-            matrix.add(self.lights[k].direction, weight);
+            let direction = self.samples.direction(k, pixel);
+            matrix.add(direction, weight);
             squares += weight * residual * residual;
             total += weight;
+            pulls[self.sectors[k]] += direction * (weight * residual);
             if weight <= COMPARED {
                 continue;
             }
@@ -91,17 +115,55 @@ impl Residuals<'_> {
         let variance = squares / (total - 3.0).max(1.0);
         let shared = if pairs > 0.0 { (products / pairs).clamp(0.0, variance) } else { 0.0 };
         let inverse = if total > 3.0 { matrix.inverse() } else { None };
-        PixelResiduals { inverse, variance, shared }
+        let mut sectors = Sym3::default();
+        if let Some(inverse) = inverse {
+            pulls.iter().for_each(|pull| sectors.add(inverse.times(*pull), 1.0));
+        }
+        PixelResiduals { inverse, variance, shared, sectors }
     }
 
     /// Returns the residual of a sample and its weight in the fit.
     #[inline]
     fn residual(&self, pixel: usize, k: usize) -> (f64, f64) {
         let fit = &self.fits[pixel];
-        let Vec3 { x, y, z } = self.lights[k].direction;
+        let Vec3 { x, y, z } = self.samples.direction(k, pixel);
         let shaded = fit.robust.x * x + fit.robust.y * y + fit.robust.z * z;
         let residual = f64::from(self.samples.images[k][pixel].grey()) - shaded;
         (residual, weight(residual, self.inverse_reaches[pixel]))
+    }
+
+    /// Returns the exponent that best turns fitted into measured brightness, over samples that agree with the fit: 1 if
+    /// the photographs are linear, less if they are encoded by a curve; `None` without samples.
+    pub fn exponent(&self) -> Option<f64> {
+        /// The fraction of the albedo below which a sample says little about the curve.
+        const DARKEST: f64 = 0.15;
+        /// One in so many pixels is enough for one number.
+        const EVERY: usize = 16;
+        let parts = parallel::tasks(self.fits.len().div_ceil(PART), &|part| {
+            let (mut product, mut square) = (0.0, 0.0);
+            for pixel in (part * PART..((part + 1) * PART).min(self.fits.len())).step_by(EVERY) {
+                let length = self.fits[pixel].robust.length();
+                let mut logs = Vec::with_capacity(self.lights.len());
+                for k in 0..self.lights.len() {
+                    let (residual, weight) = self.residual(pixel, k);
+                    let sample = self.samples.images[k][pixel];
+                    let grey = f64::from(sample.grey());
+                    let fitted = grey - residual;
+                    if weight > 0.0 && !sample.is_saturated() && grey.min(fitted) > DARKEST * length {
+                        logs.push([scalar::ln(fitted), scalar::ln(grey)]);
+                    }
+                }
+                let count = logs.len().max(1) as f64;
+                let mean = [0, 1].map(|c| logs.iter().map(|v| v[c]).sum::<f64>() / count);
+                for [fitted, grey] in logs {
+                    product += (fitted - mean[0]) * (grey - mean[1]);
+                    square += (fitted - mean[0]) * (fitted - mean[0]);
+                }
+            }
+            [product, square]
+        });
+        let [product, square] = [0, 1].map(|c| parts.iter().map(|part| part[c]).sum::<f64>());
+        (square > 0.0).then(|| product / square)
     }
 
     /// Returns the residuals under each light.

@@ -70,6 +70,7 @@ pub struct Robust<'a> {
 /// Memory of a block, reused.
 #[derive(Debug, Default)]
 pub struct Scratch {
+    lights: Vec<LightTerms>,
     samples: Vec<Pack>,
     kept: Vec<Pack>,
     residuals: Vec<Pack>,
@@ -102,7 +103,7 @@ impl<'a> Robust<'a> {
     /// scale.
     pub fn start(&self, first: usize, scratch: &mut Scratch) -> [Fit; LANES] {
         self.load(first, scratch);
-        let least_squares = self.least_squares(scratch);
+        let least_squares = self.least_squares(first, scratch);
         self.subtract(scratch, &packs(least_squares));
         let deviations = self.deviations(scratch);
         let fit = |lane: usize, robust: Vec3<f64>, scale: f64| Fit {
@@ -123,9 +124,15 @@ impl<'a> Robust<'a> {
     }
 
     /// Returns the fits by least squares over all samples.
-    fn least_squares(&self, scratch: &Scratch) -> [Vec3<f64>; LANES] {
+    fn least_squares(&self, first: usize, scratch: &Scratch) -> [Vec3<f64>; LANES] {
+        if self.samples.is_near() {
+            return std::array::from_fn(|lane| {
+                self.solved(self.pixel(first, lane), (lane, scratch), |_| 1.0)
+                    .map_or(Vec3::splat(0.0), |(b, _)| b)
+            });
+        }
         let mut sums = [[0.0; LANES]; 3];
-        for (light, samples) in self.lights.iter().zip(&scratch.samples) {
+        for (light, samples) in scratch.lights.iter().zip(&scratch.samples) {
             for (sum, l) in sums.iter_mut().zip(light.direction.to_array()) {
                 (0..LANES).for_each(|lane| sum[lane] += f64::from(samples[lane]) * l);
             }
@@ -152,7 +159,7 @@ impl<'a> Robust<'a> {
         let mut b = start;
         for _ in 1..REFINEMENTS {
             let (mut sums, mut total) = (Sums::default(), [0.0; LANES]);
-            for (light, samples) in self.lights.iter().zip(&scratch.samples) {
+            for (light, samples) in scratch.lights.iter().zip(&scratch.samples) {
                 let weights = weights(samples, &shaded(&b, light), &inverses);
                 (0..LANES).for_each(|lane| total[lane] += weights[lane]);
                 sums.add(light, samples, &weights);
@@ -165,23 +172,43 @@ impl<'a> Robust<'a> {
         }
         std::array::from_fn(|lane| {
             let fit = fits[lane];
-            if is_clean(&fit) { as_all(fit) } else { self.exact(fit, vector(&b, lane), (lane, scratch)) }
+            match is_clean(&fit) {
+                true => as_all(fit),
+                false => self.exact(fit, vector(&b, lane), (self.pixel(first, lane), lane, scratch)),
+            }
         })
     }
 
-    /// Returns a fit with the weights of the residuals of `b`, in double precision.
-    fn exact(&self, fit: Fit, b: Vec3<f64>, (lane, scratch): (usize, &Scratch)) -> Fit {
+    /// The pixel of a lane; lanes beyond the last pixel repeat it.
+    fn pixel(&self, first: usize, lane: usize) -> usize {
+        (first + lane).min(self.samples.pixels.len() - 1)
+    }
+
+    /// Returns the weighted fit of a pixel in double precision, with its own directions to near lamps, and the sum of the
+    /// weights of its residuals; `None` if the weights do not determine it.
+    fn solved(
+        &self,
+        pixel: usize,
+        (lane, scratch): (usize, &Scratch),
+        weight: impl Fn((f64, Vec3<f64>)) -> f64,
+    ) -> Option<(Vec3<f64>, f64)> {
         let (mut matrix, mut right, mut total) = (Sym3::default(), Vec3::splat(0.0), 0.0);
-        let inverse_reach = fit.inverse_reach();
-        for (light, samples) in self.lights.iter().zip(&scratch.samples) {
-            let sample = f64::from(samples[lane]);
-            let weight = weight(sample - b.dot(light.direction), inverse_reach);
-            matrix.add(light.direction, weight);
-            right += light.direction * (weight * sample);
+        for (k, samples) in scratch.samples.iter().enumerate() {
+            let (sample, direction) = (f64::from(samples[lane]), self.samples.direction(k, pixel));
+            let weight = weight((sample, direction));
+            matrix.add(direction, weight);
+            right += direction * (weight * sample);
             total += weight;
         }
-        match matrix.inverse() {
-            Some(inverse) if total >= f64::from(LEAST_WEIGHT) => Fit { robust: inverse.times(right), ..fit },
+        Some((matrix.inverse()?.times(right), total))
+    }
+
+    /// Returns a fit with the weights of the residuals of `b`, in double precision.
+    fn exact(&self, fit: Fit, b: Vec3<f64>, (pixel, lane, scratch): (usize, usize, &Scratch)) -> Fit {
+        let inverse_reach = fit.inverse_reach();
+        let weight = |(sample, direction)| weight(sample - b.dot(direction), inverse_reach);
+        match self.solved(pixel, (lane, scratch), weight) {
+            Some((robust, total)) if total >= f64::from(LEAST_WEIGHT) => Fit { robust, ..fit },
             _ => fit,
         }
     }
@@ -189,6 +216,15 @@ impl<'a> Robust<'a> {
     /// Loads the samples of a block; lanes beyond the last pixel repeat it.
     fn load(&self, first: usize, scratch: &mut Scratch) {
         let last = self.samples.pixels.len() - 1;
+        if self.samples.is_near() {
+            // For weights, pixels of a block share the directions of the one in the middle.
+            let middle = self.pixel(first, LANES / 2);
+            scratch.lights.clear();
+            let directions = (0..self.lights.len()).map(|k| self.samples.direction(k, middle));
+            scratch.lights.extend(directions.map(LightTerms::new));
+        } else if scratch.lights.is_empty() {
+            scratch.lights.clone_from(&self.lights);
+        }
         scratch.samples.clear();
         scratch.samples.extend(
             self.samples
@@ -227,7 +263,7 @@ impl<'a> Robust<'a> {
 
     fn solve(&self, scratch: &Scratch, weights: &[Pack], otherwise: &[Pack; 3]) -> [Pack; 3] {
         let mut sums = Sums::default();
-        for ((light, samples), weights) in self.lights.iter().zip(&scratch.samples).zip(weights) {
+        for ((light, samples), weights) in scratch.lights.iter().zip(&scratch.samples).zip(weights) {
             sums.add(light, samples, weights);
         }
         sums.solve(otherwise)
@@ -241,7 +277,7 @@ impl<'a> Robust<'a> {
                 *least = 1e-3 * b.iter().map(|v| v[lane].abs()).sum::<f32>() + 1e-9;
             }
             let mut sums = Sums::default();
-            for ((light, samples), kept) in self.lights.iter().zip(&scratch.samples).zip(&scratch.kept) {
+            for ((light, samples), kept) in scratch.lights.iter().zip(&scratch.samples).zip(&scratch.kept) {
                 let shaded = shaded(&b, light);
                 let mut weights = [0.0; LANES];
                 for lane in 0..LANES {
@@ -257,10 +293,11 @@ impl<'a> Robust<'a> {
 
     /// Computes the residuals of all samples.
     fn subtract(&self, scratch: &mut Scratch, b: &[Pack; 3]) {
-        scratch.residuals.clear();
-        for (light, samples) in self.lights.iter().zip(&scratch.samples) {
+        let Scratch { lights, samples, residuals, .. } = scratch;
+        residuals.clear();
+        for (light, samples) in lights.iter().zip(samples.iter()) {
             let shaded = shaded(b, light);
-            scratch.residuals.push(std::array::from_fn(|lane| samples[lane] - shaded[lane]));
+            residuals.push(std::array::from_fn(|lane| samples[lane] - shaded[lane]));
         }
     }
 

@@ -1,5 +1,7 @@
 //! The pixels of all photographs within the mask, in linear light.
 
+use crate::grey::GreyImage;
+use crate::light::near;
 use crate::set::PhotographSet;
 use std::path::Path;
 use taotie_engine::error::{Error, Result};
@@ -28,6 +30,17 @@ impl Named for Transfer {
         &[("auto", Self::Auto), ("linear", Self::Linear), ("srgb", Self::Srgb)];
 }
 
+impl Transfer {
+    /// Returns the encoding of photographs with so many bits.
+    fn of_bits(self, bits: u8) -> Self {
+        match (self, bits) {
+            (Self::Auto, 8) => Self::Srgb,
+            (Self::Auto, _) => Self::Linear,
+            (chosen, _) => chosen,
+        }
+    }
+}
+
 /// A pixel of a photograph: linear grey, the mean of the channels, divided by the light's intensity. The sign bit is
 /// set if a channel is saturated.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -37,6 +50,10 @@ impl Sample {
     fn new(grey: f64, saturated: bool) -> Self {
         let grey = if grey.is_finite() { (grey.clamp(0.0, 1e12) + 0.0) as f32 } else { 0.0 };
         Self(if saturated { -grey } else { grey })
+    }
+
+    fn times(self, factor: f64) -> Self {
+        Self::new(f64::from(self.grey()) * factor, self.is_saturated())
     }
 
     /// The linear grey, at least 0.
@@ -63,8 +80,10 @@ pub struct Samples {
     pub pixels: Vec<u32>,
     /// For each photograph the samples of these pixels.
     pub images: Vec<Vec<Sample>>,
-    /// For each photograph the unit vector towards its light.
+    /// For each photograph the unit vector towards its light, from the picture's centre.
     pub lights: Vec<Vec3<f64>>,
+    /// For each photograph the place of its lamp if it is near, as in [`Light::position`].
+    pub positions: Vec<Option<Vec3<f64>>>,
     /// Bits per channel of the photographs.
     pub bits: u8,
     /// The encoding of the photographs: linear or sRGB.
@@ -81,6 +100,8 @@ pub struct Reading<'a> {
     pub mask: Option<&'a Path>,
     /// The encoding of the photographs.
     pub transfer: Transfer,
+    /// A folder with a photograph of a flat white board under each light, of the same names: samples are divided by it.
+    pub flat: Option<&'a Path>,
     /// Limits of memory and image sizes.
     pub limits: Limits,
 }
@@ -99,6 +120,14 @@ impl Samples {
             Some(path) => mask_pixels(path, shape, &reading.limits)?,
             None => (0..shape.width * shape.height).collect(),
         };
+        let size = [shape.width as usize, shape.height as usize];
+        let place = |i: u32| [i % shape.width, i / shape.width].map(|v| v as usize);
+        let is_ball = |i: &u32| set.balls.iter().any(|ball| ball.holds(place(*i), BORDER));
+        let mask: Vec<u32> = mask.into_iter().filter(|i| !is_ball(i)).collect();
+        if mask.is_empty() {
+            return Err(Error::invalid("an empty mask", "the balls cover all of it"));
+        }
+        let flats = reading.flat.map(|folder| flats(folder, set)).transpose()?;
         let count = set.photographs.len();
         let what = format!("{count} photographs of {}x{}", shape.width, shape.height);
         if mask.len() as u64 * count as u64 > MOST_SAMPLES {
@@ -106,25 +135,49 @@ impl Samples {
         }
         let need = estimated_bytes(count, mask.len(), shape);
         reading.limits.check(what, Bytes(need))?;
-        let transfer = match (reading.transfer, shape.bits) {
-            (Transfer::Auto, 8) => Transfer::Srgb,
-            (Transfer::Auto, _) => Transfer::Linear,
-            (chosen, _) => chosen,
-        };
+        let transfer = reading.transfer.of_bits(shape.bits);
         drop(bitmap);
         let decoder = Decoder { first, shape, pixels: &mask, curve: curve(transfer, shape.bits) };
         let done = std::sync::atomic::AtomicUsize::new(0);
         let images = parallel::try_tasks(count, &|i| {
             let photograph = &set.photographs[i];
             let bitmap = read_bitmap_within(&photograph.path, &reading.limits)?;
-            let samples = decoder.samples(&photograph.path, &bitmap, photograph.light.intensity)?;
+            let light = &photograph.light;
+            let mut samples = decoder.samples(&photograph.path, &bitmap, light.intensity)?;
+            let lit = |i: usize| light.at(place(mask[i]), size);
+            if let Some(flats) = &flats {
+                let board = read_bitmap_within(&flats[i], &reading.limits)?;
+                let board = decoder.samples(&flats[i], &board, [1.0; 3])?;
+                divide(&mut samples, &board, |i| lit(i).direction.z);
+            } else if light.position.is_some() {
+                samples.iter_mut().enumerate().for_each(|(i, sample)| *sample = sample.times(lit(i).falloff));
+            }
             let done = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
             progress.at(done as f64 / count as f64)?;
             Ok(samples)
         })?;
         let lights = set.photographs.iter().map(|photograph| photograph.light.direction).collect();
+        let positions = set.photographs.iter().map(|photograph| photograph.light.position).collect();
         let Shape { width, height, bits } = shape;
-        Ok(Self { width, height, pixels: mask, images, lights, bits, transfer })
+        Ok(Self { width, height, pixels: mask, images, lights, positions, bits, transfer })
+    }
+
+    /// Returns the unit vector from a pixel of the mask towards a light.
+    #[inline]
+    pub fn direction(&self, light: usize, pixel: usize) -> Vec3<f64> {
+        match self.positions[light] {
+            None => self.lights[light],
+            Some(position) => {
+                let i = self.pixels[pixel];
+                let place = [i % self.width, i / self.width].map(|v| v as usize);
+                near(position, place, [self.width as usize, self.height as usize]).direction
+            }
+        }
+    }
+
+    /// Returns true if a lamp is near, so that its direction depends on the pixel.
+    pub fn is_near(&self) -> bool {
+        self.positions.iter().any(Option::is_some)
     }
 
     /// The number of samples that are saturated.
@@ -137,12 +190,47 @@ impl Samples {
     }
 }
 
+/// Pixels around a chrome ball that are not estimated.
+const BORDER: f64 = 2.0;
+
+/// Returns the photographs of a white board, in the order of the set.
+fn flats(folder: &Path, set: &PhotographSet) -> Result<Vec<std::path::PathBuf>> {
+    let names = crate::folder::Folder::read(folder)?;
+    let of = |photograph: &crate::set::Photograph| {
+        let name = photograph.path.file_name().unwrap_or_default().to_string_lossy();
+        names.photograph(&name).map_err(|why| Error::invalid("a flat field", why))
+    };
+    set.photographs.iter().map(of).collect()
+}
+
+/// Divides samples by those of a white board that faces the camera, which show all unevenness of the light, and l_z.
+fn divide(samples: &mut [Sample], board: &[Sample], cosine: impl Fn(usize) -> f64) {
+    for (i, (sample, board)) in samples.iter_mut().zip(board).enumerate() {
+        let white = f64::from(board.grey());
+        *sample = sample.times(if white > 0.0 { cosine(i).max(0.0) / white } else { 0.0 });
+    }
+}
+
+/// Reads a photograph as linear grey values.
+///
+/// # Errors
+/// Those of reading an image.
+pub fn grey_image(path: &Path, transfer: Transfer, limits: &Limits) -> Result<GreyImage> {
+    let bitmap = read_bitmap_within(path, limits)?;
+    let shape = Shape::of(&bitmap);
+    let pixels: Vec<u32> = (0..shape.width * shape.height).collect();
+    let curve = curve(transfer.of_bits(shape.bits), shape.bits);
+    let samples = Decoder { first: path, shape, pixels: &pixels, curve }.samples(path, &bitmap, [1.0; 3])?;
+    let values = samples.into_iter().map(Sample::grey).collect();
+    Ok(GreyImage { width: shape.width as usize, height: shape.height as usize, values })
+}
+
 /// Returns the memory for reading and estimating: samples, one decoded photograph for each thread, and results.
 fn estimated_bytes(photographs: usize, pixels: usize, shape: Shape) -> u64 {
     /// The program itself.
     const PROGRAM: u64 = 32 << 20;
-    /// Estimates, covariances and files of a pixel.
-    const RESULTS: u64 = 400;
+    /// Estimates, covariances, heights and files of a pixel.
+    const RESULTS: u64 = 800;
     /// A decoded pixel with the decoder's own copy.
     const DECODED: u64 = 24;
     let threads = taotie_io::most_threads().unwrap_or(16).min(photographs) as u64;

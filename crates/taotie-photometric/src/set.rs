@@ -1,13 +1,16 @@
 //! A set of photographs with their lights, from an `.lp` file or a folder.
 
+use crate::calibration::{Balls, Setup, brightness_of, lights_of_balls};
+use crate::circle::Circle;
 use crate::diligent::{self, Text};
 use crate::folder::{Folder, check_format};
 use crate::light::{self, Light};
 use crate::lp::{Entry, parse_lp};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use taotie_engine::Warnings;
 use taotie_engine::error::{Error, Result};
+use taotie_engine::math::Vec3;
+use taotie_engine::{Progress, Warnings};
 use taotie_io::{decode_text, quote, read_bytes};
 
 /// A photograph and its light.
@@ -32,6 +35,10 @@ pub struct PhotographSet {
     pub layout: &'static str,
     /// All files that were read, except for the photographs.
     pub files: Vec<PathBuf>,
+    /// Chrome and grey balls in the photographs, which are not estimated.
+    pub balls: Vec<Circle>,
+    /// The chrome balls that the lights follow from.
+    pub chrome: Option<Balls>,
 }
 
 /// The longest file of lights, bytes.
@@ -44,8 +51,37 @@ impl PhotographSet {
     /// [`Error::Io`], [`Error::Parse`] with file and line, [`Error::Invalid`] if it is unclear which lights count, or
     /// if they do not determine a normal.
     pub fn open(path: &Path, warnings: &mut Warnings) -> Result<Self> {
+        Self::open_with(path, &Setup::default(), warnings, Progress::SILENT)
+    }
+
+    /// Opens the same, or a folder whose photographs show chrome balls, given more that is known about them.
+    ///
+    /// # Errors
+    /// Those of [`PhotographSet::open`], and of reading photographs if balls are looked for or given.
+    pub fn open_with(
+        path: &Path,
+        setup: &Setup,
+        warnings: &mut Warnings,
+        progress: Progress<'_>,
+    ) -> Result<Self> {
+        let mut set = Self::find(path, setup, warnings, progress)?;
+        if let Some(ball) = &setup.grey_ball {
+            let brightness = brightness_of(&set.photographs, ball, setup, progress.begin("grey ball")?)?;
+            for (photograph, brightness) in set.photographs.iter_mut().zip(brightness) {
+                photograph.light.intensity = [brightness; 3];
+            }
+            set.balls.push(*ball);
+        }
+        Ok(set)
+    }
+
+    fn find(path: &Path, setup: &Setup, warnings: &mut Warnings, progress: Progress<'_>) -> Result<Self> {
+        let given = !setup.balls.is_empty();
         if !path.is_dir() {
-            return Self::of_lp(path, warnings);
+            if given {
+                return Err(several(&path.display().to_string(), "chrome balls"));
+            }
+            return Self::of_lp(path, setup, warnings);
         }
         let folder = Folder::read(path)?;
         let lps: Vec<&str> = folder.with_extension(&["lp"]).collect();
@@ -54,10 +90,12 @@ impl PhotographSet {
             ([], [Some(names), Some(directions), intensities]) => {
                 Self::of_diligent(&folder, [names, directions], intensities, warnings)
             }
-            ([], [None, None, _]) => Err(Error::invalid(
-                format!("{}: no lights", path.display()),
-                format!("add an .lp file, or {} and {} of DiLiGenT", diligent::FILES[0], diligent::FILES[1]),
-            )),
+            ([], [None, None, _]) => Self::of_balls(&folder, path, setup, (warnings, progress)),
+            (lps, [names, ..]) if given => {
+                let file =
+                    lps.first().map(|lp| (*lp).to_owned()).or(names.map(|path| path.display().to_string()));
+                Err(several(&file.unwrap_or_default(), "chrome balls"))
+            }
             ([], [names, ..]) => {
                 let missing = diligent::FILES[usize::from(names.is_some())];
                 Err(Error::invalid(
@@ -65,7 +103,7 @@ impl PhotographSet {
                     "add it, or an .lp file",
                 ))
             }
-            ([lp], [None, None, _]) => Self::of_lp(&path.join(lp), warnings),
+            ([lp], [None, None, _]) => Self::of_lp(&path.join(lp), setup, warnings),
             (lps, found) => {
                 let names = found
                     .iter()
@@ -81,7 +119,7 @@ impl PhotographSet {
         }
     }
 
-    fn of_lp(path: &Path, warnings: &mut Warnings) -> Result<Self> {
+    fn of_lp(path: &Path, setup: &Setup, warnings: &mut Warnings) -> Result<Self> {
         let entries = parse_lp(path, &text_of(path)?)?;
         let folder = Folder::read(path.parent().unwrap_or(Path::new(".")))?;
         let files = Names::new(&entries, &folder);
@@ -97,13 +135,25 @@ impl PhotographSet {
         }
         let lines: Vec<usize> = entries.iter().map(|entry| entry.line).collect();
         check_unique(path, &lines, &photographs)?;
-        note_lengths(&entries, warnings);
+        match setup.pixel_size.filter(|_| are_positions(&entries)) {
+            Some(pixel_size) => {
+                let mut lights: Vec<Light> = photographs.iter().map(|photograph| photograph.light).collect();
+                for (light, entry) in lights.iter_mut().zip(&entries) {
+                    light.position = Some(Vec3::from_array(entry.vector) / pixel_size);
+                }
+                light::equalise(&mut lights);
+                photographs.iter_mut().zip(lights).for_each(|(photograph, light)| photograph.light = light);
+            }
+            None => note_lengths(&entries, warnings),
+        }
         Self {
             photographs,
             mask: folder.mask(),
             lights: path.to_path_buf(),
             layout: "lp",
             files: vec![path.into()],
+            balls: Vec::new(),
+            chrome: None,
         }
         .checked(&folder, warnings)
     }
@@ -133,8 +183,45 @@ impl PhotographSet {
         check_unique(&names.path, &numbers, &photographs)?;
         let files = [Some(&names), Some(&directions), intensities.as_ref()];
         let files = files.into_iter().flatten().map(|file| file.path.clone()).collect();
-        Self { photographs, mask: folder.mask(), lights: directions.path.clone(), layout: "diligent", files }
-            .checked(folder, warnings)
+        Self {
+            photographs,
+            mask: folder.mask(),
+            lights: directions.path.clone(),
+            layout: "diligent",
+            files,
+            balls: Vec::new(),
+            chrome: None,
+        }
+        .checked(folder, warnings)
+    }
+
+    fn of_balls(
+        folder: &Folder,
+        path: &Path,
+        setup: &Setup,
+        (warnings, progress): (&mut Warnings, Progress<'_>),
+    ) -> Result<Self> {
+        let paths: Vec<PathBuf> = (0..folder.count()).filter_map(|i| folder.nth(i)).collect();
+        paths.iter().try_for_each(|path| check_format(path))?;
+        if paths.len() < light::FEWEST {
+            return Err(Error::invalid(
+                format!("{}: {} photographs", path.display(), paths.len()),
+                format!("at least {} are needed", light::FEWEST),
+            ));
+        }
+        let (mut lights, chrome) = lights_of_balls(path, &paths, setup, progress.begin("chrome balls")?)?;
+        light::equalise(&mut lights);
+        let photographs = paths.into_iter().zip(lights).map(|(path, light)| Photograph { path, light });
+        Self {
+            photographs: photographs.collect(),
+            mask: folder.mask(),
+            lights: path.to_path_buf(),
+            layout: "balls",
+            files: Vec::new(),
+            balls: chrome.outlines.iter().map(|outline| outline.circle).collect(),
+            chrome: Some(chrome),
+        }
+        .checked(folder, warnings)
     }
 
     fn checked(self, folder: &Folder, warnings: &mut Warnings) -> Result<Self> {
@@ -217,6 +304,16 @@ fn check_unique(file: &Path, lines: &[usize], photographs: &[Photograph]) -> Res
     Ok(())
 }
 
+fn several(file: &str, other: &str) -> Error {
+    Error::invalid(format!("{file} and {other}: two sources of lights"), "give only one of them")
+}
+
+/// Returns true unless all vectors have length 1.
+fn are_positions(entries: &[Entry]) -> bool {
+    let length = |entry: &Entry| entry.vector.iter().map(|v| v * v).sum::<f64>().sqrt();
+    entries.iter().any(|entry| (length(entry) - 1.0).abs() > 0.01)
+}
+
 /// Notes vectors that seem to be positions of lamps.
 fn note_lengths(entries: &[Entry], warnings: &mut Warnings) {
     let length = |entry: &Entry| entry.vector.iter().map(|v| v * v).sum::<f64>().sqrt();
@@ -224,7 +321,8 @@ fn note_lengths(entries: &[Entry], warnings: &mut Warnings) {
     let (least, most) = lengths().fold((f64::INFINITY, 0.0), |(least, most), v| (v.min(least), v.max(most)));
     if most > 1.05 * least {
         warnings.note(
-            "the vectors of the lights differ in length, like positions of lamps: only their directions are used",
+            "the vectors of the lights differ in length, like positions of lamps: only their directions are used, unless \
+             --pixel-size states the size of a pixel in their unit",
             1,
         );
     }

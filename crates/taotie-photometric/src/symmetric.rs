@@ -15,6 +15,16 @@ impl Sym3 {
         self.0.iter_mut().zip(outer).for_each(|(sum, v)| *sum += v);
     }
 
+    /// Returns the matrix times a number.
+    pub fn scaled(&self, factor: f64) -> Sym3 {
+        Sym3(self.0.map(|v| v * factor))
+    }
+
+    /// Returns the sum of the diagonal.
+    pub fn trace(&self) -> f64 {
+        self.0[0] + self.0[3] + self.0[5]
+    }
+
     /// Returns the inverse by cofactors; `None` if the matrix is singular to within rounding.
     pub fn inverse(&self) -> Option<Sym3> {
         let [a, b, c, d, e, f] = self.0;

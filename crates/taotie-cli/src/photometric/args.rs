@@ -6,16 +6,19 @@ use anyhow::Result;
 use clap::Args;
 use std::path::PathBuf;
 use taotie_io::FileSet;
-use taotie_photometric::{PhotographSet, Transfer};
+use taotie_photometric::{Circle, PhotographSet, Setup, Transfer};
 
 const EXAMPLES: &str = "\
 Examples:
   taotie photometric coin/dome.lp -o coin_normals
   taotie photometric relief -o relief_normals --mask mask.png --json
+  taotie photometric with_chrome_balls -o out --pixel-size 0.05
+  taotie photometric with_chrome_balls -o out --ball 310.5,220,64 --grey-ball 900,215,60
   taotie photometric generated -o out --truth truth.normals.exr
 
 FOLDER holds photographs from one position under changing light, with an .lp file, or filenames.txt, \
-light_directions.txt and light_intensities.txt as in the DiLiGenT data set. 16-bit PNGs and float files are read as \
+light_directions.txt and light_intensities.txt as in the DiLiGenT data set; or the photographs show chrome balls, from \
+whose highlights the lights follow. 16-bit and float files are read as \
 linear, 8-bit files as sRGB. x points to the right, y up, z towards the camera.
 
 The displayed uncertainty is the radius in degrees that holds 68 % of the probability.";
@@ -27,8 +30,8 @@ pub struct PhotometricArgs {
     /// The folder of photographs, or their .lp file
     #[arg(value_name = "FOLDER|FILE.lp")]
     pub input: PathBuf,
-    /// The folder to write: normals, uncertainty, albedo, residuals, mask, plane.glb
-    /// with the maps, and report.json
+    /// The folder to write: normals, uncertainty, albedo, residuals, mask, depth, plane.glb with the maps,
+    /// relief.glb, and report.json
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
     /// The mask: white where normals are estimated [default: mask.png next to the photographs, otherwise everything]
@@ -37,7 +40,21 @@ pub struct PhotometricArgs {
     /// Meaning of the numbers in the photographs: auto, linear, srgb
     #[arg(long, value_parser = options::named::<Transfer>, default_value = "auto")]
     pub encoding: Transfer,
-    /// True normals to compare with (PNG, EXR), in the same coordinates
+    /// A chrome ball in pixels from the top left corner; may be repeated [default: found, if no file states the lights]
+    #[arg(long = "ball", value_name = "X,Y,RADIUS")]
+    pub balls: Vec<Circle>,
+    /// A matt grey ball, which shows how bright each light is
+    #[arg(long, value_name = "X,Y,RADIUS")]
+    pub grey_ball: Option<Circle>,
+    /// A folder with a photograph of a flat white board under each light, of the same names
+    #[arg(long, value_name = "FOLDER", conflicts_with = "grey_ball")]
+    pub flat: Option<PathBuf>,
+    /// The side of a pixel on the object, e.g. in mm: the unit of depth, and of lamp positions in the .lp file, which are
+    /// then near lamps
+    #[arg(long, value_name = "X", value_parser = pixel_size)]
+    pub pixel_size: Option<f64>,
+    /// True normals to compare with (PNG, EXR), in the same coordinates; of a picture that is a whole number of times
+    /// larger, their means over each pixel
     #[arg(long, value_name = "FILE")]
     pub truth: Option<PathBuf>,
 
@@ -48,7 +65,7 @@ pub struct PhotometricArgs {
 }
 
 /// The files that are written.
-pub const OUTPUTS: [&str; 9] = [
+pub const OUTPUTS: [&str; 11] = [
     "normals.png",
     "normals.exr",
     "sigma.png",
@@ -56,11 +73,31 @@ pub const OUTPUTS: [&str; 9] = [
     "albedo.png",
     "residual.exr",
     "mask.png",
+    "depth.exr",
     "plane.glb",
+    "relief.glb",
     "report.json",
 ];
 
+fn pixel_size(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(size) if size.is_finite() && size > 0.0 => Ok(size),
+        _ => Err(format!("invalid size `{text}`: expected a number above 0, e.g. 0.05")),
+    }
+}
+
 impl PhotometricArgs {
+    /// What the options state about the photographs.
+    pub fn setup(&self) -> Setup {
+        Setup {
+            balls: self.balls.clone(),
+            grey_ball: self.grey_ball,
+            pixel_size: self.pixel_size,
+            transfer: self.encoding,
+            limits: self.memory.limits(),
+        }
+    }
+
     /// Returns the path of an output.
     pub fn path(&self, name: &str) -> PathBuf {
         self.output.join(name)

@@ -8,7 +8,7 @@ use taotie_engine::film::Development;
 use taotie_engine::image::{Encoding, Image};
 use taotie_engine::math::srgb::srgb_from_linear;
 use taotie_io::{FileSet, ImageFormat, PngColor, PngImage, PngSamples};
-use taotie_photometric::{Estimate, Estimator};
+use taotie_photometric::{Estimate, Estimator, Relief};
 use taotie_report::heat_map::HeatMap;
 
 /// Writes the files of an estimate.
@@ -16,6 +16,7 @@ pub struct Output<'a> {
     pub args: &'a PhotometricArgs,
     pub files: &'a FileSet,
     pub estimate: &'a Estimate,
+    pub relief: &'a Relief,
 }
 
 impl Output<'_> {
@@ -34,6 +35,16 @@ impl Output<'_> {
         let mut warnings = Warnings::default();
         let plane = taotie_io::encode_scene(&self.estimate.plane()?, &["plane".to_owned()], &mut warnings)?;
         self.files.write_bytes(&self.args.path("plane.glb"), &plane)?;
+        let pixel_size = self.args.pixel_size.unwrap_or(1.0);
+        self.write_floats("depth.exr", &self.relief.image(pixel_size))?;
+        let surface = self.estimate.surface(self.relief, pixel_size)?;
+        warnings.note(
+            "no four neighbouring pixels have a normal: relief.glb holds the flat rectangle",
+            usize::from(surface.is_none()),
+        );
+        let surface = surface.map_or_else(|| self.estimate.plane(), Ok)?;
+        let relief = taotie_io::encode_scene(&surface, &["relief".to_owned()], &mut warnings)?;
+        self.files.write_bytes(&self.args.path("relief.glb"), &relief)?;
         Ok(warnings)
     }
 

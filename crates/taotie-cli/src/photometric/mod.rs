@@ -13,11 +13,14 @@ use files::Output;
 use report::{Errors, Report};
 use std::path::Path;
 use taotie::comparison::diff::guessed_encoding;
-use taotie_engine::compare::{NormalEncoding, angle_deg, angular_error, stored_normals};
+use taotie_engine::compare::{NormalEncoding, angular_error, stored_normals};
 use taotie_engine::image::Image;
-use taotie_engine::math::Vec3;
+use taotie_engine::names::Named;
 use taotie_engine::{Progress, Warnings};
-use taotie_photometric::{Estimate, Estimator, PhotographSet, Reading, Samples};
+use taotie_photometric::{Estimate, Estimator, PhotographSet, Reading, Samples, averaged};
+
+/// How far the exponent between light and brightness may be from 1: highlights alone reach half of it.
+const CURVED: f64 = 0.15;
 
 /// Runs the subcommand.
 pub fn run(args: &PhotometricArgs) -> Result<()> {
@@ -27,31 +30,38 @@ pub fn run(args: &PhotometricArgs) -> Result<()> {
 
 fn estimate(args: &PhotometricArgs) -> Result<Report> {
     let mut warnings = Warnings::default();
-    let set = PhotographSet::open(&args.input, &mut warnings)?;
     let files = stop::files();
-    args.claim(&files, &set)?;
     let clock = Clock::default();
     let listener = |stage: &'static str, fraction: f64| {
         clock.hear(stage, fraction);
         true
     };
     let progress = Progress::new(&listener);
+    let set = PhotographSet::open_with(&args.input, &args.setup(), &mut warnings, progress)?;
+    args.claim(&files, &set)?;
     let truth = args.truth.as_deref().map(|path| read_truth(args, path)).transpose()?;
-    let reading =
-        Reading { mask: args.mask.as_deref(), transfer: args.encoding, limits: args.memory.limits() };
+    let reading = Reading {
+        mask: args.mask.as_deref(),
+        transfer: args.encoding,
+        flat: args.flat.as_deref(),
+        limits: args.memory.limits(),
+    };
     let samples = Samples::read(&set, &reading, progress.begin("read")?)?;
     warnings.note("a saturated sample is left out", samples.saturated());
-    if let (Some(truth), Some(path)) = (&truth, &args.truth)
-        && (truth.width(), truth.height()) != (samples.width, samples.height)
-    {
-        let [a, b] = [(truth.width(), truth.height()), (samples.width, samples.height)];
-        bail!("{}: {}x{} normals, but the photographs have {}x{}", path.display(), a.0, a.1, b.0, b.1);
-    }
+    let truth = truth.map(|truth| averaged(&truth, [samples.width, samples.height])).transpose()?;
     let estimate = Estimate::of(&samples, progress)?;
     let without = estimate.best.iter().filter(|best| best.is_none()).count();
     warnings.note("a pixel has no normal: too little light, or too few samples that agree", without);
+    if let Some(exponent) = estimate.exponent.filter(|exponent| (exponent - 1.0).abs() > CURVED) {
+        let what = format!(
+            "brightness grows like the power {exponent:.2} of the light: the photographs may not be {}; see --encoding",
+            samples.transfer.name()
+        );
+        warnings.note(what, 1);
+    }
+    let relief = estimate.relief(progress.begin("depth")?)?;
     progress.begin("write")?;
-    warnings.absorb(Output { args, files: &files, estimate: &estimate }.write()?);
+    warnings.absorb(Output { args, files: &files, estimate: &estimate, relief: &relief }.write()?);
     let errors = truth.map(|truth| errors(&estimate, &truth)).transpose()?;
     let mut report = Report::new(args, &set, &samples, &estimate);
     report.truth = errors;
@@ -78,17 +88,10 @@ fn errors(estimate: &Estimate, truth: &Image) -> Result<Errors> {
             None => bail!("the true normals and the mask share no pixel"),
         }
     };
-    let within = estimate.pixels.iter().zip(&estimate.best).filter_map(|(pixel, best)| {
-        let [x, y, z, has] = truth.pixels()[*pixel as usize];
-        let best = best.as_ref().filter(|_| has > 0.0)?;
-        let truth = Vec3::new(x, y, z).to_f64();
-        Some(angle_deg(best.normal, truth) <= best.sigma_deg)
-    });
-    let (inside, count) = within.fold((0, 0), |(inside, count), is| (inside + usize::from(is), count + 1));
     Ok(Errors {
         least_squares: of(Estimator::LeastSquares)?,
         robust: of(Estimator::Robust)?,
         best: of(Estimator::Best)?,
-        within_sigma: inside as f64 / f64::from(count.max(1)),
+        coverage: estimate.coverage(truth),
     })
 }

@@ -8,8 +8,9 @@ use std::fmt::Write;
 use taotie::Warning;
 use taotie::asset::StageTime;
 use taotie_engine::compare::{Summary, angular_error};
+use taotie_engine::math::Vec3;
 use taotie_engine::names::Named;
-use taotie_photometric::{Estimate, Estimator, PhotographSet, Samples};
+use taotie_photometric::{Coverage, Estimate, Estimator, Outline, PhotographSet, Samples};
 use taotie_report::table::summary_text;
 
 /// Version of the JSON.
@@ -30,8 +31,17 @@ pub struct Report {
     output: String,
     /// The file that states the lights.
     lights_from: String,
-    /// The layout of the input: `lp` or `diligent`.
+    /// The source of the lights: `lp`, `diligent` or `balls`.
     layout: &'static str,
+    /// Chrome balls: x and y of the centre from the top left corner, radius, and root mean square distance of the edge
+    /// from the circle, pixels.
+    balls: Vec<[f64; 4]>,
+    /// Root mean square angle between the directions that several chrome balls show and the lights, degrees.
+    ball_residual: Option<f64>,
+    /// The exponent between fitted and measured brightness: near 1 if the photographs are linear.
+    exponent: Option<f64>,
+    /// The side of a pixel, which is the unit of depth; `None` if depth is in pixels.
+    pixel_size: Option<f64>,
     /// The mask that was used.
     mask: Option<String>,
     /// Pixels across and down.
@@ -52,6 +62,8 @@ pub struct Report {
     albedo: f64,
     /// The samples in shadow that the albedo was measured in; 0 if it is assumed.
     shadow_samples: usize,
+    /// Light in shadows that the estimated relief does not explain, relative to all light there, in [0, 1].
+    unexplained: f64,
     /// The photographs, in order.
     photographs: Vec<PhotographReport>,
     /// Degrees between the estimates and the true normals.
@@ -67,8 +79,12 @@ pub struct Report {
 struct PhotographReport {
     /// The name of its file.
     name: String,
-    /// Unit vector towards the light.
+    /// Unit vector towards the light, from the picture's centre.
     direction: [f64; 3],
+    /// The place of a near lamp, pixels from the picture's centre.
+    position: Option<[f64; 3]>,
+    /// Brightness of the light relative to the others.
+    brightness: f64,
     /// Root mean square of the residuals of lit samples, relative to the albedo.
     residual: f64,
     /// Fraction of the samples that are in shadow, in [0, 1].
@@ -86,8 +102,13 @@ pub struct Errors {
     pub robust: Summary,
     /// Without shadows, highlights and indirect light: the written normals.
     pub best: Summary,
-    /// Fraction of the written normals that are within their uncertainty, in [0, 1]; 0.68 is expected.
-    pub within_sigma: f64,
+    /// Fractions of the written normals that are within their uncertainty.
+    pub coverage: Option<Coverage>,
+}
+
+fn ball(outline: &Outline) -> [f64; 4] {
+    let [x, y] = outline.circle.center;
+    [x, y, outline.circle.radius, outline.residual]
 }
 
 impl Report {
@@ -100,6 +121,8 @@ impl Report {
                 PhotographReport {
                     name: name_of(&photograph.path),
                     direction: photograph.light.direction.to_array(),
+                    position: photograph.light.position.map(Vec3::to_array),
+                    brightness: photograph.light.intensity.iter().sum::<f64>() / 3.0,
                     residual: light.relative,
                     shadowed: light.shadowed,
                     rejected: light.rejected,
@@ -112,6 +135,10 @@ impl Report {
             output: args.output.display().to_string(),
             lights_from: set.lights.display().to_string(),
             layout: set.layout,
+            balls: set.chrome.iter().flat_map(|chrome| &chrome.outlines).map(ball).collect(),
+            ball_residual: set.chrome.as_ref().and_then(|chrome| chrome.residual_deg),
+            exponent: estimate.exponent,
+            pixel_size: args.pixel_size,
             mask: set.mask_or(args.mask.as_deref()).map(|path| path.display().to_string()),
             size: [samples.width, samples.height],
             bits: samples.bits,
@@ -122,6 +149,7 @@ impl Report {
             indirect: between(Estimator::Robust, Estimator::Best),
             albedo: estimate.albedo,
             shadow_samples: estimate.shadows,
+            unexplained: estimate.unexplained,
             photographs: lights.map(photograph).collect(),
             truth: None,
             stages: Vec::new(),
@@ -140,6 +168,25 @@ impl Report {
             if self.encoding == "srgb" { "sRGB" } else { "linear" },
             self.lights_from
         );
+        for [x, y, radius, residual] in &self.balls {
+            let _ = writeln!(
+                text,
+                "ball       at {x:.1}, {y:.1}, radius {radius:.1}: edge to {residual:.2} pixels, lights to {:.2}°",
+                // The mirrored direction turns twice as fast as the normal.
+                (2.0 * residual / radius).to_degrees()
+            );
+        }
+        if let Some(residual) = self.ball_residual {
+            let near = self.photographs.iter().filter(|photograph| photograph.position.is_some()).count();
+            let _ = writeln!(
+                text,
+                "lamps      balls agree to {residual:.2}°; {near} of {} lamps are near",
+                self.photographs.len()
+            );
+        }
+        if let Some(exponent) = self.exponent {
+            let _ = writeln!(text, "linearity  brightness grows like the power {exponent:.2} of the light");
+        }
         let _ = writeln!(text, "normals    {} pixels", self.pixels);
         let angles = [
             ("sigma", &self.sigma, "68 % of errors are expected below"),
@@ -183,11 +230,14 @@ impl Report {
             for (name, angles) in all {
                 let _ = writeln!(text, "{name:<14} {}", summary_text(angles, 2, "°"));
             }
-            let _ = writeln!(
-                text,
-                "{:.0} % of the written normals are within their sigma",
-                100.0 * errors.within_sigma
-            );
+            if let Some(Coverage { major, minor, radius }) = errors.coverage {
+                let [a, b, c, d, e] = [radius, major[0], minor[0], major[1], minor[1]].map(|v| 100.0 * v);
+                let _ = writeln!(
+                    text,
+                    "{a:.0} % of the written normals are within their sigma (68 % expected); along the axes \
+                     {b:.0} and {c:.0} % within one standard deviation (68 %), {d:.0} and {e:.0} % within two (95 %)"
+                );
+            }
         }
         let _ = write!(text, "\nwrote {} to {}", OUTPUTS.join(", "), self.output);
         text

@@ -69,6 +69,8 @@ fn normals_are_those_of_the_model() {
         "residual.exr",
         "mask.png",
         "plane.glb",
+        "depth.exr",
+        "relief.glb",
     ] {
         assert!(place.path("out").join(name).is_file(), "{name}");
     }
@@ -88,7 +90,7 @@ fn the_text_states_what_was_assumed() {
         assert!(text.contains(line), "{line:?}: {text}");
     }
     place.taotie("photometric dome.lp -o again --threads 2").assert().success();
-    for name in ["normals.exr", "sigma.exr", "residual.exr"] {
+    for name in ["normals.exr", "sigma.exr", "residual.exr", "depth.exr", "relief.glb"] {
         assert_eq!(place.read(&format!("out/{name}")), place.read(&format!("again/{name}")), "{name}");
     }
 }

@@ -3,30 +3,28 @@
 use crate::studio::{Finish, Photographs, Shooting, photograph, relief};
 use std::path::Path;
 use taotie_engine::compare::angular_error;
-use taotie_engine::math::Vec3;
 use taotie_engine::mesh::Mesh;
 use taotie_engine::{Progress, Warnings};
-use taotie_photometric::{Estimate, Estimator, PhotographSet, Reading, Samples, Transfer};
+use taotie_photometric::{Coverage, Estimate, Estimator, PhotographSet, Reading, Samples, Transfer};
 
 /// Reads photographs and estimates their normals.
 pub fn estimate(photographs: &Photographs) -> Estimate {
     let mut warnings = Warnings::default();
     let set = PhotographSet::open(&photographs.lp, &mut warnings).unwrap();
     assert!(warnings.is_empty(), "{:?}", warnings.list());
-    let reading = Reading { mask: None, transfer: Transfer::Auto, limits: Default::default() };
+    let reading = Reading { mask: None, transfer: Transfer::Auto, flat: None, limits: Default::default() };
     let samples = Samples::read(&set, &reading, Progress::SILENT).unwrap();
     Estimate::of(&samples, Progress::SILENT).unwrap()
 }
 
-/// Errors of a set in degrees, and fractions of errors within 1 and 2 σ along the axes, and within the radius.
+/// Errors of a set in degrees, and the coverage of its uncertainty.
 #[derive(Debug, Clone, Copy)]
 struct Accuracy {
     least_squares: f64,
     robust: f64,
     best: f64,
     sigma: f64,
-    within: [f64; 2],
-    within_radius: f64,
+    coverage: Coverage,
 }
 
 fn accuracy(photographs: &Photographs) -> Accuracy {
@@ -34,53 +32,38 @@ fn accuracy(photographs: &Photographs) -> Accuracy {
     let mean = |estimator| {
         angular_error(&estimate.normals(estimator), &photographs.truth).unwrap().summary().unwrap().mean
     };
-    let (mut within, mut within_radius, mut count) = ([0.0; 2], 0.0, 0.0);
-    for (pixel, best) in estimate.pixels.iter().zip(&estimate.best) {
-        let [x, y, z, has] = photographs.truth.pixels()[*pixel as usize];
-        let (Some(best), true) = (best, has > 0.0) else { continue };
-        let truth = Vec3::new(x, y, z).to_f64();
-        let error = best.tangents().map(|t| t.dot(truth));
-        let [ax, ay] = best.covariance.main_axis();
-        let along = [ax * error[0] + ay * error[1], ax * error[1] - ay * error[0]];
-        for (error, variance) in along.into_iter().zip(best.covariance.eigenvalues()) {
-            for (k, within) in within.iter_mut().enumerate() {
-                *within += if error.abs() < (k + 1) as f64 * variance.sqrt() { 0.5 } else { 0.0 };
-            }
-        }
-        let angle = taotie_engine::compare::angle_deg(best.normal, truth);
-        within_radius += if angle < best.sigma_deg { 1.0 } else { 0.0 };
-        count += 1.0;
-    }
     Accuracy {
         least_squares: mean(Estimator::LeastSquares),
         robust: mean(Estimator::Robust),
         best: mean(Estimator::Best),
         sigma: estimate.mean(|pixel| pixel.sigma_deg),
-        within: within.map(|sum| sum / count),
-        within_radius: within_radius / count,
+        coverage: estimate.coverage(&photographs.truth).unwrap(),
     }
 }
 
 /// Measures a set and prints a line of the table in docs/photometric.md.
 fn measured(name: &str, mesh: Mesh, finish: &Finish, shooting: Shooting) -> Accuracy {
     let found = accuracy(&photograph(mesh, finish, shooting));
-    let Accuracy { least_squares, robust, best, sigma, within, within_radius } = found;
+    let Accuracy { least_squares, robust, best, sigma, coverage: Coverage { major, minor, radius } } = found;
+    let [a, b, c, d, e] = [major[0], major[1], minor[0], minor[1], radius].map(|v| 100.0 * v);
     println!(
-        "{name:<28} {least_squares:6.2}° {robust:6.2}° {best:6.2}° {sigma:6.2}°  {:3.0} % {:3.0} % {:3.0} %",
-        100.0 * within[0],
-        100.0 * within[1],
-        100.0 * within_radius
+        "| {name} | {least_squares:.2}° | {robust:.2}° | {best:.2}° | {sigma:.2}° | {a:.0}, {b:.0} % | \
+         {c:.0}, {d:.0} % | {e:.0} % |"
     );
     found
 }
 
-/// Asserts that σ describes the errors: in each set to 0.15 and 0.07, and in all together to `worst`.
-fn assert_calibrated(found: &[Accuracy], worst: [f64; 2]) {
-    for (k, (nominal, worst)) in [0.683, 0.954].into_iter().zip(worst).enumerate() {
-        let mean = found.iter().map(|accuracy| accuracy.within[k]).sum::<f64>() / found.len().max(1) as f64;
-        assert!(found.is_empty() || (mean - nominal).abs() < worst, "{k}: mean {mean}");
-        for accuracy in found {
-            assert!((accuracy.within[k] - nominal).abs() < [0.15, 0.07][k], "{k}: {accuracy:?}");
+/// Asserts that σ describes the errors: in each set to `each`, and in all together to `mean`, as fractions within one
+/// and two standard deviations.
+fn assert_calibrated(found: &[Accuracy], each: [f64; 2], mean: [f64; 2]) {
+    let fractions = |k: usize| {
+        found.iter().map(move |Accuracy { coverage, .. }| 0.5 * (coverage.major[k] + coverage.minor[k]))
+    };
+    for (k, nominal) in [0.683, 0.954].into_iter().enumerate() {
+        let all = fractions(k).sum::<f64>() / found.len().max(1) as f64;
+        assert!(found.is_empty() || (all - nominal).abs() < mean[k], "{k}: mean {all}");
+        for (fraction, accuracy) in fractions(k).zip(found) {
+            assert!((fraction - nominal).abs() < each[k], "{k}: {accuracy:?}");
         }
     }
 }
@@ -99,7 +82,7 @@ fn shadows_and_highlights_cost_the_robust_estimate_at_most_half_of_least_squares
     for accuracy in &found {
         assert!(accuracy.best < 0.5 * accuracy.least_squares, "{accuracy:?}");
     }
-    assert_calibrated(&found, [0.08, 0.03]);
+    assert_calibrated(&found, [0.22, 0.06], [0.13, 0.05]);
 }
 
 #[test]
@@ -107,7 +90,7 @@ fn without_shadows_and_highlights_the_estimate_is_as_good_as_least_squares() {
     let steep = Shooting { lowest_deg: 45.0, noise: 0.01, ..Shooting::default() };
     let found = measured("gentle relief, matt, noisy", relief(0.35), &Finish::matt(0.6), steep);
     assert!(found.best < 1.02 * found.least_squares, "{found:?}");
-    assert_calibrated(&[found], [0.15, 0.05]);
+    assert_calibrated(&[found], [0.2, 0.05], [0.2, 0.05]);
 }
 
 #[test]
@@ -138,7 +121,7 @@ fn shared_statues_are_measured_if_present() {
     for accuracy in &found {
         assert!(accuracy.best < 0.5 * accuracy.least_squares, "{accuracy:?}");
     }
-    assert_calibrated(&found, [0.05, 0.04]);
+    assert_calibrated(&found, [0.22, 0.06], [0.13, 0.05]);
 }
 
 #[test]

@@ -2,6 +2,7 @@
 #![allow(clippy::print_stdout)]
 
 mod accuracy;
+mod balls;
 mod malformed;
 mod plane;
 mod speed;

@@ -40,7 +40,7 @@ fn write(folder: &Path, name: &str, bytes: &[u8]) {
 fn read(path: &Path, memory: u64) -> Result<Estimate, Error> {
     let set = PhotographSet::open(path, &mut Warnings::default())?;
     let limits = Limits { memory: Some(Bytes(memory)), ..Limits::default() };
-    let reading = Reading { mask: None, transfer: Transfer::Auto, limits };
+    let reading = Reading { mask: None, transfer: Transfer::Auto, flat: None, limits };
     Estimate::of(&Samples::read(&set, &reading, Progress::SILENT)?, Progress::SILENT)
 }
 
@@ -242,8 +242,8 @@ fn every_wrong_folder_has_one_clear_error() {
         ("'p3.png' is not among the 5 photographs", |folder| {
             std::fs::remove_file(folder.join("p3.png")).unwrap()
         }),
-        ("the image format 'tif' is not supported: convert", |folder| {
-            std::fs::rename(folder.join("p3.png"), folder.join("p3.tif")).unwrap();
+        ("the image format 'dng' is not supported: convert", |folder| {
+            std::fs::rename(folder.join("p3.png"), folder.join("p3.dng")).unwrap();
         }),
         ("the image format 'dng' is not supported: convert", |folder| {
             std::fs::rename(folder.join("p3.png"), folder.join("p3.DNG")).unwrap();
