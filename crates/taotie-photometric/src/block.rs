@@ -93,3 +93,11 @@ pub fn packs(vectors: [Vec3<f64>; LANES]) -> [Pack; 3] {
     let arrays = vectors.map(|v| v.to_f32().to_array());
     std::array::from_fn(|c| arrays.map(|v| v[c]))
 }
+
+/// Returns Tukey's biweight of a residual, given the inverse of the largest that counts.
+#[inline(always)]
+pub fn weight(residual: f64, inverse_reach: f64) -> f64 {
+    let relative = residual * inverse_reach;
+    let inside = 1.0 - relative * relative;
+    if inside > 0.0 { inside * inside } else { 0.0 }
+}

@@ -5,7 +5,7 @@ use crate::grey::GreyImage;
 use crate::highlight::{Highlight, highlight};
 use crate::lamp::{Ray, intersection, mean_direction, squared_angles};
 use crate::light::Light;
-use crate::samples::{Transfer, grey_image};
+use crate::photograph::{Photograph, Transfer, grey_image};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use taotie_engine::error::{Error, Result};
@@ -13,7 +13,7 @@ use taotie_engine::math::Vec3;
 use taotie_engine::{Progress, parallel};
 use taotie_io::Limits;
 
-/// What is known about the photographs besides their files.
+/// The known properties of the photographs.
 #[derive(Debug, Clone, Default)]
 pub struct Setup {
     /// Chrome balls; without any, they are looked for if no file states the lights.
@@ -288,7 +288,7 @@ const GREY_INSIDE: f64 = 0.9;
 /// # Errors
 /// Those of reading images, [`Error::Invalid`] if the ball is outside or dark, [`Error::Cancelled`].
 pub fn brightness_of(
-    photographs: &[crate::set::Photograph],
+    photographs: &[Photograph],
     ball: &Circle,
     setup: &Setup,
     progress: Progress<'_>,

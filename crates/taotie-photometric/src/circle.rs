@@ -212,7 +212,7 @@ fn fitted(points: &[[f64; 2]], start: Circle) -> Option<Outline> {
         let mut right = taotie_engine::math::Vec3::splat(0.0);
         for point in points {
             let (residual, along) = distance(&circle, point);
-            let weight = crate::robust::weight(residual, 1.0 / reach);
+            let weight = crate::block::weight(residual, 1.0 / reach);
             sums.add(along, weight);
             right += along * (weight * residual);
         }

@@ -196,7 +196,7 @@ mod tests {
 
     #[test]
     fn a_flap_that_lifts_off_a_plane_stays_a_flap() {
-        // The right half rises from the plane along y; the step between the halves shows no normal of its own.
+        // The right half rises from the plane along y; the step between the halves has no normals.
         let side = 64;
         let height = |x: f64, y: f64| if x < 32.0 { 0.0 } else { 0.6 * y };
         let normals: Vec<Vec3<f64>> =

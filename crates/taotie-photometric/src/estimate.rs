@@ -8,7 +8,7 @@ use crate::robust::{self, Fit, Robust, Scratch};
 use crate::samples::Samples;
 use crate::sources::AllSources;
 use crate::symmetric::Sym2;
-use crate::uncertainty::{RadiusTable, tangents};
+use crate::uncertainty::{RadiusTable, tangents, unit};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use taotie_engine::compare::Field;
 use taotie_engine::error::{Error, Result};
@@ -202,11 +202,6 @@ fn fits(robust: &Robust, samples: &Samples, progress: Progress<'_>) -> Result<Ve
         robust.refine(first, fits, typical, scratch)
     };
     each(&refined, progress.part(0.7, 1.0))
-}
-
-/// Returns the vector scaled to length 1; zero if it has no direction.
-pub fn unit(b: Vec3<f64>) -> Vec3<f64> {
-    b.normalize_or(Vec3::splat(0.0))
 }
 
 /// Returns the best estimate of each pixel.

@@ -54,7 +54,10 @@ pub fn highlight(image: &GreyImage, ball: &Circle) -> Option<Highlight> {
         return None;
     }
     let most = FEW.max((LARGEST * std::f64::consts::PI * radius * radius) as usize);
-    let blob = blob(image, (brightest, least, most), &inner)?;
+    let bright = |[x, y]: [usize; 2]| {
+        x < image.width && y < image.height && inner.holds([x, y], 0.0) && value([x, y]) > least
+    };
+    let blob = blob(brightest, most, bright)?;
     let mut sum = Vec3::splat(0.0);
     for pixel in blob {
         let [x, y] = [pixel[0] as f64 + 0.5 - cx, cy - pixel[1] as f64 - 0.5].map(|v| v / radius);
@@ -66,21 +69,16 @@ pub fn highlight(image: &GreyImage, ball: &Circle) -> Option<Highlight> {
     Some(Highlight { normal, direction })
 }
 
-/// Returns the pixels above a value that are connected to a pixel; `None` if there are too many.
-fn blob(
-    image: &GreyImage,
-    (start, least, most): ([usize; 2], f32, usize),
-    inner: &Circle,
-) -> Option<Vec<[usize; 2]>> {
+/// Returns the `bright` pixels that are connected to one of them; `None` if they are more than `most`.
+fn blob(start: [usize; 2], most: usize, bright: impl Fn([usize; 2]) -> bool) -> Option<Vec<[usize; 2]>> {
     let mut found = vec![start];
     let mut next = 0;
     while next < found.len() {
         let [x, y] = found[next];
         next += 1;
-        for [x, y] in [[x + 1, y], [x.wrapping_sub(1), y], [x, y + 1], [x, y.wrapping_sub(1)]] {
-            let inside = x < image.width && y < image.height && inner.holds([x, y], 0.0);
-            if inside && image.values[y * image.width + x] > least && !found.contains(&[x, y]) {
-                found.push([x, y]);
+        for pixel in [[x + 1, y], [x.wrapping_sub(1), y], [x, y + 1], [x, y.wrapping_sub(1)]] {
+            if bright(pixel) && !found.contains(&pixel) {
+                found.push(pixel);
             }
         }
         if found.len() > most {

@@ -1,9 +1,9 @@
 //! The residuals of the robust fit: their variance in each pixel, how they pull at the fit from each side, and their
 //! size under each light.
 
-use crate::block::LightTerms;
+use crate::block::{LightTerms, weight};
 use crate::grid::Grid;
-use crate::robust::{Fit, weight};
+use crate::robust::Fit;
 use crate::samples::Samples;
 use crate::symmetric::Sym3;
 use taotie_engine::math::{Vec3, scalar};
@@ -137,7 +137,7 @@ impl<'a> Residuals<'a> {
     pub fn exponent(&self) -> Option<f64> {
         /// The fraction of the albedo below which a sample says little about the curve.
         const DARKEST: f64 = 0.15;
-        /// One in so many pixels is enough for one number.
+        /// One pixel in this number is enough.
         const EVERY: usize = 16;
         let parts = parallel::tasks(self.fits.len().div_ceil(PART), &|part| {
             let (mut product, mut square) = (0.0, 0.0);

@@ -10,7 +10,7 @@
 //! 5. If the residuals of least squares over all samples are no larger than noise would make them, nothing is rejected,
 //!    since rejecting good samples only adds noise.
 
-use crate::block::{LANES, LightTerms, Pack, Sums, packs, shaded, vector};
+use crate::block::{LANES, LightTerms, Pack, Sums, packs, shaded, vector, weight};
 use crate::samples::Samples;
 use crate::symmetric::Sym3;
 use taotie_engine::math::Vec3;
@@ -77,6 +77,13 @@ pub struct Scratch {
     sorted: Vec<f32>,
 }
 
+/// The samples of a pixel, those of a lane of a block.
+struct PixelSamples<'a> {
+    pixel: usize,
+    lane: usize,
+    scratch: &'a Scratch,
+}
+
 impl<'a> Robust<'a> {
     /// Prepares the lights.
     pub fn new(samples: &'a Samples) -> Self {
@@ -127,7 +134,7 @@ impl<'a> Robust<'a> {
     fn least_squares(&self, first: usize, scratch: &Scratch) -> [Vec3<f64>; LANES] {
         if self.samples.is_near() {
             return std::array::from_fn(|lane| {
-                self.solved(self.pixel(first, lane), (lane, scratch), |_| 1.0)
+                self.solved(&PixelSamples { pixel: self.pixel(first, lane), lane, scratch }, |_| 1.0)
                     .map_or(Vec3::splat(0.0), |(b, _)| b)
             });
         }
@@ -174,7 +181,11 @@ impl<'a> Robust<'a> {
             let fit = fits[lane];
             match is_clean(&fit) {
                 true => as_all(fit),
-                false => self.exact(fit, vector(&b, lane), (self.pixel(first, lane), lane, scratch)),
+                false => self.exact(
+                    fit,
+                    vector(&b, lane),
+                    &PixelSamples { pixel: self.pixel(first, lane), lane, scratch },
+                ),
             }
         })
     }
@@ -188,13 +199,12 @@ impl<'a> Robust<'a> {
     /// weights of its residuals; `None` if the weights do not determine it.
     fn solved(
         &self,
-        pixel: usize,
-        (lane, scratch): (usize, &Scratch),
+        PixelSamples { pixel, lane, scratch }: &PixelSamples<'_>,
         weight: impl Fn((f64, Vec3<f64>)) -> f64,
     ) -> Option<(Vec3<f64>, f64)> {
         let (mut matrix, mut right, mut total) = (Sym3::default(), Vec3::splat(0.0), 0.0);
         for (k, samples) in scratch.samples.iter().enumerate() {
-            let (sample, direction) = (f64::from(samples[lane]), self.samples.direction(k, pixel));
+            let (sample, direction) = (f64::from(samples[*lane]), self.samples.direction(k, *pixel));
             let weight = weight((sample, direction));
             matrix.add(direction, weight);
             right += direction * (weight * sample);
@@ -204,10 +214,10 @@ impl<'a> Robust<'a> {
     }
 
     /// Returns a fit with the weights of the residuals of `b`, in double precision.
-    fn exact(&self, fit: Fit, b: Vec3<f64>, (pixel, lane, scratch): (usize, usize, &Scratch)) -> Fit {
+    fn exact(&self, fit: Fit, b: Vec3<f64>, pixel: &PixelSamples<'_>) -> Fit {
         let inverse_reach = fit.inverse_reach();
         let weight = |(sample, direction)| weight(sample - b.dot(direction), inverse_reach);
-        match self.solved(pixel, (lane, scratch), weight) {
+        match self.solved(pixel, weight) {
             Some((robust, total)) if total >= f64::from(LEAST_WEIGHT) => Fit { robust, ..fit },
             _ => fit,
         }
@@ -336,12 +346,4 @@ fn weights(samples: &Pack, shaded: &Pack, inverses: &Pack) -> Pack {
         weights[lane] = if inside > 0.0 { inside * inside } else { 0.0 };
     }
     weights
-}
-
-/// Returns Tukey's biweight of a residual, given [`Fit::inverse_reach`].
-#[inline(always)]
-pub fn weight(residual: f64, inverse_reach: f64) -> f64 {
-    let relative = residual * inverse_reach;
-    let inside = 1.0 - relative * relative;
-    if inside > 0.0 { inside * inside } else { 0.0 }
 }

@@ -1,73 +1,13 @@
 //! The pixels of all photographs within the mask, in linear light.
 
-use crate::grey::GreyImage;
 use crate::light::near;
+use crate::photograph::{Decoder, Photograph, Sample, Shape, Transfer, curve};
 use crate::set::PhotographSet;
 use std::path::Path;
 use taotie_engine::error::{Error, Result};
-use taotie_engine::image::{Bitmap, Texels};
 use taotie_engine::math::Vec3;
-use taotie_engine::math::srgb::linear_from_srgb;
-use taotie_engine::names::Named;
 use taotie_engine::{Progress, parallel};
 use taotie_io::{Bytes, Limits, read_bitmap_within};
-
-/// The meaning of the numbers in photographs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Transfer {
-    /// Linear for 16 bits and floats, sRGB for 8 bits.
-    #[default]
-    Auto,
-    /// Proportional to radiance.
-    Linear,
-    /// Encoded by the sRGB curve.
-    Srgb,
-}
-
-impl Named for Transfer {
-    const WHAT: &'static str = "encoding of photographs";
-    const NAMES: &'static [(&'static str, Self)] =
-        &[("auto", Self::Auto), ("linear", Self::Linear), ("srgb", Self::Srgb)];
-}
-
-impl Transfer {
-    /// Returns the encoding of photographs with so many bits.
-    fn of_bits(self, bits: u8) -> Self {
-        match (self, bits) {
-            (Self::Auto, 8) => Self::Srgb,
-            (Self::Auto, _) => Self::Linear,
-            (chosen, _) => chosen,
-        }
-    }
-}
-
-/// A pixel of a photograph: linear grey, the mean of the channels, divided by the light's intensity. The sign bit is
-/// set if a channel is saturated.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Sample(f32);
-
-impl Sample {
-    fn new(grey: f64, saturated: bool) -> Self {
-        let grey = if grey.is_finite() { (grey.clamp(0.0, 1e12) + 0.0) as f32 } else { 0.0 };
-        Self(if saturated { -grey } else { grey })
-    }
-
-    fn times(self, factor: f64) -> Self {
-        Self::new(f64::from(self.grey()) * factor, self.is_saturated())
-    }
-
-    /// The linear grey, at least 0.
-    #[inline]
-    pub fn grey(self) -> f32 {
-        self.0.abs()
-    }
-
-    /// Returns true if a channel is saturated: the grey is then a lower bound.
-    #[inline]
-    pub fn is_saturated(self) -> bool {
-        self.0.is_sign_negative()
-    }
-}
 
 /// The samples of all photographs.
 #[derive(Debug, Clone)]
@@ -196,7 +136,7 @@ const BORDER: f64 = 2.0;
 /// Returns the photographs of a white board, in the order of the set.
 fn flats(folder: &Path, set: &PhotographSet) -> Result<Vec<std::path::PathBuf>> {
     let names = crate::folder::Folder::read(folder)?;
-    let of = |photograph: &crate::set::Photograph| {
+    let of = |photograph: &Photograph| {
         let name = photograph.path.file_name().unwrap_or_default().to_string_lossy();
         names.photograph(&name).map_err(|why| Error::invalid("a flat field", why))
     };
@@ -209,20 +149,6 @@ fn divide(samples: &mut [Sample], board: &[Sample], cosine: impl Fn(usize) -> f6
         let white = f64::from(board.grey());
         *sample = sample.times(if white > 0.0 { cosine(i).max(0.0) / white } else { 0.0 });
     }
-}
-
-/// Reads a photograph as linear grey values.
-///
-/// # Errors
-/// Those of reading an image.
-pub fn grey_image(path: &Path, transfer: Transfer, limits: &Limits) -> Result<GreyImage> {
-    let bitmap = read_bitmap_within(path, limits)?;
-    let shape = Shape::of(&bitmap);
-    let pixels: Vec<u32> = (0..shape.width * shape.height).collect();
-    let curve = curve(transfer.of_bits(shape.bits), shape.bits);
-    let samples = Decoder { first: path, shape, pixels: &pixels, curve }.samples(path, &bitmap, [1.0; 3])?;
-    let values = samples.into_iter().map(Sample::grey).collect();
-    Ok(GreyImage { width: shape.width as usize, height: shape.height as usize, values })
 }
 
 /// Returns the memory for reading and estimating: samples, one decoded photograph for each thread, and results.
@@ -239,26 +165,6 @@ fn estimated_bytes(photographs: usize, pixels: usize, shape: Shape) -> u64 {
         + photographs as u64 * pixels as u64 * 4
         + pixels as u64 * RESULTS
         + area * (DECODED * threads + 32)
-}
-
-/// Size and depth of a photograph.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Shape {
-    width: u32,
-    height: u32,
-    bits: u8,
-}
-
-impl Shape {
-    fn of(bitmap: &Bitmap) -> Self {
-        Self { width: bitmap.width(), height: bitmap.height(), bits: bitmap.bits() }
-    }
-}
-
-impl std::fmt::Display for Shape {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}x{} pixels of {} bits", self.width, self.height, self.bits)
-    }
 }
 
 fn mask_pixels(path: &Path, shape: Shape, limits: &Limits) -> Result<Vec<u32>> {
@@ -281,86 +187,4 @@ fn mask_pixels(path: &Path, shape: Shape, limits: &Limits) -> Result<Vec<u32>> {
 
 fn is_inside([red, green, blue, alpha]: [f32; 4]) -> bool {
     red.max(green).max(blue) > 0.5 && alpha > 0.5
-}
-
-/// Returns the linear value of each code; empty for values that are linear already.
-fn curve(transfer: Transfer, bits: u8) -> Vec<f32> {
-    let codes = match (transfer, bits) {
-        (Transfer::Srgb, 8) => 256,
-        (Transfer::Srgb, 16) => 65_536,
-        _ => 0,
-    };
-    (0..codes).map(|code| linear_from_srgb(f64::from(code) / f64::from(codes - 1)) as f32).collect()
-}
-
-/// Converts photographs to samples.
-struct Decoder<'a> {
-    /// The first photograph, which determines the shape.
-    first: &'a Path,
-    shape: Shape,
-    pixels: &'a [u32],
-    curve: Vec<f32>,
-}
-
-impl Decoder<'_> {
-    fn samples(&self, path: &Path, bitmap: &Bitmap, intensity: [f64; 3]) -> Result<Vec<Sample>> {
-        let shape = Shape::of(bitmap);
-        if shape != self.shape {
-            let why = format!("{} has {}; all photographs must be alike", self.first.display(), self.shape);
-            return Err(Error::invalid(format!("{}: {shape}", path.display()), why));
-        }
-        let factors = intensity.map(|v| 1.0 / (3.0 * v));
-        let sample = |i: &u32| {
-            let i = *i as usize;
-            let (values, saturated) = match bitmap.texels() {
-                Texels::U8(texels) => {
-                    (self.linear(bitmap, i, texels[i].map(usize::from)), is_full(texels[i], u8::MAX))
-                }
-                Texels::U16(texels) => {
-                    (self.linear(bitmap, i, texels[i].map(usize::from)), is_full(texels[i], u16::MAX))
-                }
-                Texels::F32(texels) => (texels[i], false),
-            };
-            let grey: f64 = (0..3).map(|c| f64::from(values[c]).max(0.0) * factors[c]).sum();
-            Sample::new(grey, saturated)
-        };
-        Ok(self.pixels.iter().map(sample).collect())
-    }
-
-    fn linear(&self, bitmap: &Bitmap, i: usize, codes: [usize; 4]) -> [f32; 4] {
-        if self.curve.is_empty() { bitmap.stored(i) } else { codes.map(|code| self.curve[code]) }
-    }
-}
-
-/// Returns true if red, green or blue is the largest code.
-fn is_full<T: PartialEq + Copy>(texel: [T; 4], most: T) -> bool {
-    texel[..3].contains(&most)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn codes_become_linear_light() {
-        let decoder = |bits, transfer| Decoder {
-            first: Path::new("a.png"),
-            shape: Shape { width: 2, height: 1, bits },
-            pixels: &[0, 1],
-            curve: curve(transfer, bits),
-        };
-        let path = Path::new("b.png");
-        let bytes = Bitmap::new(2, 1, 3, Texels::U8(vec![[128, 128, 128, 255], [255, 0, 0, 255]])).unwrap();
-        let read = decoder(8, Transfer::Srgb).samples(path, &bytes, [1.0; 3]).unwrap();
-        assert!((read[0].grey() - 0.2158).abs() < 1e-4 && !read[0].is_saturated());
-        assert!((read[1].grey() - 1.0 / 3.0).abs() < 1e-6 && read[1].is_saturated());
-        let words = Bitmap::new(2, 1, 3, Texels::U16(vec![[32768; 4], [0, 0, 0, 65535]])).unwrap();
-        let read = decoder(16, Transfer::Linear).samples(path, &words, [2.0, 2.0, 2.0]).unwrap();
-        assert!((read[0].grey() - 0.25).abs() < 1e-4 && read[1] == Sample::new(0.0, false));
-        let error = decoder(8, Transfer::Srgb).samples(path, &words, [1.0; 3]).unwrap_err().to_string();
-        assert!(
-            error.contains("b.png: 2x1 pixels of 16 bits") && error.contains("a.png has 2x1 pixels of 8"),
-            "{error}"
-        );
-    }
 }

@@ -6,21 +6,13 @@ use crate::diligent::{self, Text};
 use crate::folder::{Folder, check_format};
 use crate::light::{self, Light};
 use crate::lp::{Entry, parse_lp};
+use crate::photograph::Photograph;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use taotie_engine::error::{Error, Result};
 use taotie_engine::math::Vec3;
 use taotie_engine::{Progress, Warnings};
 use taotie_io::{decode_text, quote, read_bytes};
-
-/// A photograph and its light.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Photograph {
-    /// The image file.
-    pub path: PathBuf,
-    /// Its light.
-    pub light: Light,
-}
 
 /// Photographs of one object from one position, each under one distant light.
 #[derive(Debug, Clone)]
@@ -90,7 +82,9 @@ impl PhotographSet {
             ([], [Some(names), Some(directions), intensities]) => {
                 Self::of_diligent(&folder, [names, directions], intensities, warnings)
             }
-            ([], [None, None, _]) => Self::of_balls(&folder, path, setup, (warnings, progress)),
+            ([], [None, None, _]) => {
+                Self::of_balls((&folder, path), setup, progress)?.checked(&folder, warnings)
+            }
             (lps, [names, ..]) if given => {
                 let file =
                     lps.first().map(|lp| (*lp).to_owned()).or(names.map(|path| path.display().to_string()));
@@ -195,12 +189,7 @@ impl PhotographSet {
         .checked(folder, warnings)
     }
 
-    fn of_balls(
-        folder: &Folder,
-        path: &Path,
-        setup: &Setup,
-        (warnings, progress): (&mut Warnings, Progress<'_>),
-    ) -> Result<Self> {
+    fn of_balls((folder, path): (&Folder, &Path), setup: &Setup, progress: Progress<'_>) -> Result<Self> {
         let paths: Vec<PathBuf> = (0..folder.count()).filter_map(|i| folder.nth(i)).collect();
         paths.iter().try_for_each(|path| check_format(path))?;
         if paths.len() < light::FEWEST {
@@ -212,7 +201,7 @@ impl PhotographSet {
         let (mut lights, chrome) = lights_of_balls(path, &paths, setup, progress.begin("chrome balls")?)?;
         light::equalise(&mut lights);
         let photographs = paths.into_iter().zip(lights).map(|(path, light)| Photograph { path, light });
-        Self {
+        Ok(Self {
             photographs: photographs.collect(),
             mask: folder.mask(),
             lights: path.to_path_buf(),
@@ -220,8 +209,7 @@ impl PhotographSet {
             files: Vec::new(),
             balls: chrome.outlines.iter().map(|outline| outline.circle).collect(),
             chrome: Some(chrome),
-        }
-        .checked(folder, warnings)
+        })
     }
 
     fn checked(self, folder: &Folder, warnings: &mut Warnings) -> Result<Self> {

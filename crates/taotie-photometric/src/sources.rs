@@ -1,19 +1,18 @@
 //! The sources of uncertainty of all pixels, from the fits and the residuals.
 
-use crate::estimate::unit;
 use crate::grid::Grid;
 use crate::indirect::{Indirect, quantile};
 use crate::residuals::{PixelResiduals, SECTORS};
 use crate::robust::Fit;
 use crate::symmetric::Sym3;
-use crate::uncertainty::Sources;
+use crate::uncertainty::{Sources, unit};
 use taotie_engine::math::Vec3;
 use taotie_engine::parallel;
 
 /// The fraction of the bright pixels' albedo below which a pixel is background.
 const BACKGROUND: f64 = 0.005;
 
-/// What is known about each pixel, and about the whole object.
+/// The comparisons between estimates, of each pixel and of the whole object.
 pub struct AllSources<'a> {
     grid: &'a Grid,
     residuals: &'a [PixelResiduals],

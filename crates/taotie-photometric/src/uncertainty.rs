@@ -60,6 +60,11 @@ impl Sources {
     }
 }
 
+/// Returns the vector scaled to length 1; zero if it has no direction.
+pub fn unit(b: Vec3<f64>) -> Vec3<f64> {
+    b.normalize_or(Vec3::splat(0.0))
+}
+
 /// Returns two unit vectors perpendicular to a unit vector and each other.
 pub fn tangents(n: Vec3<f64>) -> [Vec3<f64>; 2] {
     let t = n.any_perpendicular();

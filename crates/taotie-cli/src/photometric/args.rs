@@ -87,7 +87,7 @@ fn pixel_size(text: &str) -> Result<f64, String> {
 }
 
 impl PhotometricArgs {
-    /// What the options state about the photographs.
+    /// Returns the known properties of the photographs.
     pub fn setup(&self) -> Setup {
         Setup {
             balls: self.balls.clone(),
@@ -107,6 +107,10 @@ impl PhotometricArgs {
     pub fn claim(&self, files: &FileSet, set: &PhotographSet) -> Result<()> {
         files.protect(set.photographs.iter().map(|photograph| &photograph.path))?;
         files.protect(set.files.iter().chain(&set.mask).chain(&self.mask).chain(&self.truth))?;
+        let photographs = set.photographs.iter().filter_map(|photograph| photograph.path.file_name());
+        let flat: Vec<PathBuf> =
+            self.flat.iter().flat_map(|folder| photographs.clone().map(|name| folder.join(name))).collect();
+        files.protect(&flat)?;
         files.claim_folder(&self.output)?;
         OUTPUTS.iter().try_for_each(|name| files.claim(&self.path(name)))?;
         Ok(())

@@ -19,7 +19,7 @@ use taotie_engine::names::Named;
 use taotie_engine::{Progress, Warnings};
 use taotie_photometric::{Estimate, Estimator, PhotographSet, Reading, Samples, averaged};
 
-/// How far the exponent between light and brightness may be from 1: highlights alone reach half of it.
+/// How far the exponent between light and brightness may be from 1: highlights reach half of it.
 const CURVED: f64 = 0.15;
 
 /// Runs the subcommand.
