@@ -497,7 +497,7 @@ fn of_a_pair() {
     assert!(level.material.color.is_none() && level.full_views.is_empty(), "the scan has no material");
     assert!(level.overview.color.is_none() && level.patches.color.is_none());
     assert_eq!(proof.unseen, ["colour and material, which the scan does not specify"]);
-    assert_eq!((bake.unproved_maps, bake.floor_8_bit), (vec!["heights".to_owned()], Some([0.17, 0.38])));
+    assert_eq!((bake.unproved_maps, bake.floor_8_bit), (vec!["height map".to_owned()], Some([0.17, 0.38])));
     assert!(proof.parts.is_empty() && normal.material.is_none(), "there is one material");
     assert_eq!(proof.bytes_out as usize, place.read("out.glb").len());
     let certificate = report.certificate.expect("it was measured");
