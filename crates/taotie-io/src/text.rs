@@ -205,6 +205,15 @@ pub(super) fn line_ends(text: &[u8]) -> usize {
     text.chunks(COUNTED).map(|few| usize::from(ends(few))).sum()
 }
 
+/// Returns what is before the last `mark` in a name, in lower case, if `mark` ends a word there: `wheel` for `_low` in
+/// `Wheel_low.001`; `None` in `wheel_lower`.
+pub fn name_before(name: &str, mark: &str) -> Option<String> {
+    let name = name.to_lowercase();
+    let (before, rest) = name.rsplit_once(mark)?;
+    let ends_word = rest.chars().next().is_none_or(|c| !c.is_alphanumeric());
+    (!before.is_empty() && ends_word).then(|| before.to_owned())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -6,6 +6,7 @@
 
 use crate::circle::Circle;
 use crate::grey::GreyImage;
+use std::collections::HashSet;
 use taotie_engine::math::Vec3;
 
 /// The fraction of the way from the ball's median to its brightest value above which a pixel belongs to the highlight.
@@ -71,13 +72,13 @@ pub fn highlight(image: &GreyImage, ball: &Circle) -> Option<Highlight> {
 
 /// Returns the `bright` pixels that are connected to one of them; `None` if they are more than `most`.
 fn blob(start: [usize; 2], most: usize, bright: impl Fn([usize; 2]) -> bool) -> Option<Vec<[usize; 2]>> {
-    let mut found = vec![start];
+    let (mut found, mut known) = (vec![start], HashSet::from([start]));
     let mut next = 0;
     while next < found.len() {
         let [x, y] = found[next];
         next += 1;
         for pixel in [[x + 1, y], [x.wrapping_sub(1), y], [x, y + 1], [x, y.wrapping_sub(1)]] {
-            if bright(pixel) && !found.contains(&pixel) {
+            if bright(pixel) && known.insert(pixel) {
                 found.push(pixel);
             }
         }

@@ -87,7 +87,8 @@ impl Samples {
             let lit = |i: usize| light.at(place(mask[i]), size);
             if let Some(flats) = &flats {
                 let board = read_bitmap_within(&flats[i], &reading.limits)?;
-                let board = decoder.samples(&flats[i], &board, [1.0; 3])?;
+                // Both contain the light's intensity.
+                let board = decoder.samples(&flats[i], &board, light.intensity)?;
                 divide(&mut samples, &board, |i| lit(i).direction.z);
             } else if light.position.is_some() {
                 samples.iter_mut().enumerate().for_each(|(i, sample)| *sample = sample.times(lit(i).falloff));

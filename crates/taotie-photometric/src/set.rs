@@ -14,16 +14,16 @@ use taotie_engine::math::Vec3;
 use taotie_engine::{Progress, Warnings};
 use taotie_io::{decode_text, quote, read_bytes};
 
-/// Photographs of one object from one position, each under one distant light.
+/// Photographs of one object from one position, each under one light.
 #[derive(Debug, Clone)]
 pub struct PhotographSet {
     /// The photographs, at least four, whose lights determine a normal.
     pub photographs: Vec<Photograph>,
     /// An image named `mask` next to them.
     pub mask: Option<PathBuf>,
-    /// The file that states the lights.
+    /// The file that states the lights, or the folder of photographs with chrome balls.
     pub lights: PathBuf,
-    /// `lp` or `diligent`.
+    /// `lp`, `diligent` or `balls`.
     pub layout: &'static str,
     /// All files that were read, except for the photographs.
     pub files: Vec<PathBuf>,

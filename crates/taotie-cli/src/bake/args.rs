@@ -13,7 +13,7 @@ use taotie_engine::names::Named;
 use taotie_io::{CodecKind, CodecSet, TextureCodecs};
 
 /// Options that fix what a search would choose.
-const BY_HAND: [&str; 5] = ["low", "triangles", "size", "bits", "meshopt"];
+const BY_HAND: [&str; 6] = ["low", "triangles", "size", "bits", "meshopt", "channels"];
 
 const EXAMPLES: &str = "\
 Examples:

@@ -3,12 +3,12 @@
 
 use super::args::{Auto, BakeArgs, Images, Match};
 use crate::studio::{Green, Space};
-use anyhow::{Result, bail};
+use anyhow::{Result, anyhow, bail};
 use std::path::{Path, PathBuf};
 use taotie::Limits;
 use taotie::asset::{
-    BakeOptions, Baker, Figure, Lod, Looking, MeshSource, Packing, Preset, RayDistance, Requirement,
-    VerifyOptions,
+    BakeOptions, Baker, Channels, Figure, Lod, Looking, MeshSource, Packing, Preset, RayDistance,
+    Requirement, VerifyOptions,
 };
 use taotie_engine::bake::{MapContent, MapKind};
 use taotie_engine::names::Named;
@@ -50,7 +50,8 @@ impl BakeArgs {
             );
         }
         self.check_levels()?;
-        if self.green == Green::Down && (self.space == Space::Object || !self.bakes_normals()) {
+        let turns = self.maps().iter().any(|map| matches!(map, MapKind::Normal | MapKind::Bent));
+        if self.green == Green::Down && (self.space == Space::Object || !turns) {
             bail!("--green down: no normal or bent map is baked in tangent space; bake one, or leave it out");
         }
         self.check_unread()?;
@@ -147,18 +148,8 @@ impl BakeArgs {
 
     /// Rejects packed textures of maps that are not baked, or of the same file.
     fn check_channels(&self) -> Result<()> {
-        for (i, channels) in self.channels.iter().enumerate() {
-            if let Err(why) = channels.check(&self.maps(), self.carries()) {
-                bail!("--channels: {why}");
-            }
-            if self.channels[..i].iter().any(|other| other.name() == channels.name()) {
-                let name = channels.name();
-                bail!(
-                    "--channels: two textures named {name}; give each a name, as in NAME:R=ao,G=height,B=0"
-                );
-            }
-        }
-        Ok(())
+        Channels::check_all(&self.channels, &self.maps(), self.carries())
+            .map_err(|why| anyhow!("--channels: {why}"))
     }
 
     /// Rejects a quality that applies to no texture.
@@ -460,7 +451,9 @@ impl BakeArgs {
     /// Returns `true` if triangles, size or packing are given, or an option that a search does not support.
     fn is_by_hand(&self) -> bool {
         let is_given = self.triangles.is_some() || self.size.is_some() || self.meshopt || self.bits.is_some();
-        let is_unsearched = self.green == Green::Down || !self.unsearched().may_search();
+        // The scan itself, packed, has no texels to pack into channels.
+        let is_beside = self.green == Green::Down || !self.channels.is_empty();
+        let is_unsearched = is_beside || !self.unsearched().may_search();
         is_given || matches!(self.images, Images::Given(_)) || is_unsearched
     }
 }

@@ -48,6 +48,13 @@ fn estimate(args: &PhotometricArgs) -> Result<Report> {
     };
     let samples = Samples::read(&set, &reading, progress.begin("read")?)?;
     warnings.note("a saturated sample is left out", samples.saturated());
+    let corner = 0.5 * f64::from(samples.width).hypot(f64::from(samples.height));
+    let within = samples.positions.iter().flatten().filter(|lamp| lamp.length() < corner);
+    warnings.note(
+        "a lamp is closer to the picture's centre than a corner is: with --pixel-size, the lights in the .lp file must be \
+         positions in its unit",
+        within.count(),
+    );
     let truth = truth.map(|truth| averaged(&truth, [samples.width, samples.height])).transpose()?;
     let estimate = Estimate::of(&samples, progress)?;
     let without = estimate.best.iter().filter(|best| best.is_none()).count();

@@ -99,7 +99,7 @@ fn channels_hold_what_their_maps_hold() {
     place.write("low.obj", LOW.obj());
     let line = "bake scan.obj --low low.obj --size 64 --ao-rays 16 --roughness 0.3 --json \
                 --maps normal,ao,roughness,metallic-roughness,height --channels unity-mask \
-                --channels dirt:R=1-ao,G=height,B=0.5,A=normal.g";
+                --channels dirt:R=1-ao,G=height,B=0.5,A=normal.g --channels orm";
     let report = place.json(&format!("{line} -o out.png"));
     let [mask, dirt, orm, height, normal] =
         ["unity-mask", "dirt", "orm", "height", ""].map(|name| match name {
@@ -130,6 +130,9 @@ fn channels_hold_what_their_maps_hold() {
         "out.dirt.png R ao",
         "out.dirt.png G height",
         "out.dirt.png A normal",
+        "out.orm.png R ao",
+        "out.orm.png G roughness",
+        "out.orm.png B metallic-roughness",
     ];
     assert_eq!(packed, wanted);
     let of_asset = place.json(&format!("{line} -o out.glb"));
@@ -148,7 +151,10 @@ fn channels_without_their_maps_are_refused() {
     let cases = [
         ("--channels orm", "ao is not baked; add it to the maps"),
         ("--maps auto,ao --channels R=height,G=ao,B=0", "height is not baked"),
-        ("--maps auto,ao --channels R=ao,G=ao,B=0 --channels R=0,G=0,B=0", "two textures named channels"),
+        (
+            "--maps auto,ao --channels R=ao,G=ao,B=0 --channels R=0,G=0,B=0",
+            "two textures of channels named channels",
+        ),
         ("--channels R=shine,G=0,B=0", "unknown map `shine`"),
     ];
     for (options, why) in cases {

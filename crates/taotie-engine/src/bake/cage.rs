@@ -1,6 +1,6 @@
 //! The directions and distances used to search for the high-poly surface.
 
-use super::projection::{Correspondence, ProjectionRay};
+use super::projection::{Among, Correspondence, ProjectionRay};
 use super::scan::Scan;
 use crate::error::{Error, Result};
 use crate::math::{Vec3, integration};
@@ -26,18 +26,30 @@ pub struct Cage {
     groups: Option<Arc<CageGroups>>,
 }
 
-/// The objects of a scan that each triangle of a low-poly mesh shows.
+/// The objects of a scan that each triangle of a low-poly mesh shows: those of the same group.
 #[derive(Debug, Clone)]
 pub struct CageGroups {
-    /// The group of each triangle.
-    pub of_triangle: Vec<usize>,
-    /// A flag per object of the scan for each group: `true` if it belongs to it.
-    pub objects: Vec<Vec<bool>>,
+    /// The group of each triangle; `None` if it shows all objects.
+    pub of_triangle: Vec<Option<u32>>,
+    /// The group of each object of the scan; `None` if no group shows it.
+    pub of_object: Arc<[Option<u32>]>,
 }
 
 impl CageGroups {
-    fn objects(&self, triangle: u32) -> Option<&[bool]> {
-        Some(&self.objects[*self.of_triangle.get(triangle as usize)?])
+    fn among(&self, triangle: u32) -> Option<Among<'_>> {
+        let group = (*self.of_triangle.get(triangle as usize)?)?;
+        Some(Among { groups: &self.of_object, group })
+    }
+
+    /// Returns those for a copy of their mesh with other triangles: each has the group of the closest one.
+    pub fn carried_over(&self, own: &Mesh, copy: &Mesh) -> Self {
+        let surface = Bvh::of(own.triangles().len(), |t| own.corners(t));
+        let group = |t: usize| {
+            let closest = surface.closest(blend(copy.corners(t), [1.0 / 3.0; 3]), f32::INFINITY)?;
+            *self.of_triangle.get(closest.triangle as usize)?
+        };
+        let of_triangle = parallel::collect(copy.triangles().len(), group);
+        Self { of_triangle, of_object: Arc::clone(&self.of_object) }
     }
 }
 
@@ -145,7 +157,7 @@ impl Cage {
             point: point.position(low),
             direction: blend(directions, point.weights).normalize_or(directions[0]),
             distance: blend(each(vertices, |v| self.distances[v]), point.weights),
-            objects: self.groups.as_ref().and_then(|groups| groups.objects(point.triangle)),
+            among: self.groups.as_ref().and_then(|groups| groups.among(point.triangle)),
         }
     }
 
@@ -167,16 +179,7 @@ impl Cage {
         // A mesh without triangles has no line to follow.
         let lines = parallel::collect(copy.positions().len(), |v| at(v).unwrap_or_default());
         let (directions, distances) = lines.into_iter().unzip();
-        let group = |groups: &CageGroups, t: usize| {
-            let center = blend(copy.corners(t), [1.0 / 3.0; 3]);
-            surface.closest(center, f32::INFINITY).map_or(0, |closest| {
-                groups.of_triangle.get(closest.triangle as usize).copied().unwrap_or_default()
-            })
-        };
-        let groups = self.groups.as_ref().map(|groups| {
-            let of_triangle = parallel::collect(copy.triangles().len(), |t| group(groups, t));
-            Arc::new(CageGroups { of_triangle, objects: groups.objects.clone() })
-        });
+        let groups = self.groups.as_ref().map(|groups| Arc::new(groups.carried_over(own, copy)));
         Self::new(directions, distances).with_groups(groups)
     }
 }
@@ -250,8 +253,8 @@ impl GapSearch<'_> {
         let point = at.position(self.low);
         let directions = at.vertices(self.low).map(|v| self.directions[v]);
         let direction = blend(directions, at.weights).normalize_or(self.directions[0]);
-        let objects = self.groups.and_then(|groups| groups.objects(at.triangle));
-        let along = |distance: f32| ProjectionRay { point, direction, distance, objects };
+        let among = self.groups.and_then(|groups| groups.among(at.triangle));
+        let along = |distance: f32| ProjectionRay { point, direction, distance, among };
         let height = |distance: f32| self.scan.project(&along(distance)).map(|found| found.height.abs());
         if let Some(height) = height(near) {
             return Some(height);

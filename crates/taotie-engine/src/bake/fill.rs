@@ -22,6 +22,11 @@ pub(super) fn fill(maps: &mut BakedMaps, steps: Option<u32>) {
         return;
     }
     fill_hidden(maps, &known, size);
+    maps.filled_planes().for_each(|(plane, numbers)| match (plane.channels(), plane.is_label()) {
+        (1, false) => fill_missing(numbers.as_chunks_mut::<1>().0, (&known, size), mean),
+        (1, true) => fill_missing(numbers.as_chunks_mut::<1>().0, (&known, size), first),
+        _ => fill_missing(vectors(numbers), (&known, size), mean),
+    });
     for _ in 0..steps.unwrap_or(PADDING) {
         let grown = neighbours(&known, size);
         if grown.is_empty() {
@@ -44,6 +49,26 @@ pub(super) fn fill(maps: &mut BakedMaps, steps: Option<u32>) {
 
 fn vectors(numbers: &mut [f32]) -> &mut [[f32; 3]] {
     numbers.as_chunks_mut().0
+}
+
+/// Gives baked texels whose value is missing, NaN, those around them; zero if all are missing.
+fn fill_missing<const N: usize>(
+    plane: &mut [[f32; N]],
+    (baked, size): (&[bool], [usize; 2]),
+    joined: impl Fn([Option<[f32; N]>; 4]) -> Option<[f32; N]> + Sync,
+) {
+    let is_missing = |texel: &[f32; N]| texel[0].is_nan();
+    if !plane.iter().any(is_missing) {
+        return;
+    }
+    let known: Vec<bool> = baked.iter().zip(&*plane).map(|(is, texel)| *is && !is_missing(texel)).collect();
+    let mut filled = plane.to_vec();
+    if known.contains(&true) {
+        pull_push(&mut filled, (&known, size), joined);
+    }
+    for (texel, filled) in plane.iter_mut().zip(filled).filter(|(texel, _)| is_missing(texel)) {
+        *texel = if is_missing(&filled) { [0.0; N] } else { filled };
+    }
 }
 
 /// Gives baked texels with alpha 0, which are invisible, the colours of visible texels around them.
@@ -258,6 +283,24 @@ mod tests {
         }
         fill(&mut maps, None);
         assert!(maps.numbers(Plane::MaterialId).iter().all(|id| [2.0, 5.0, 9.0].contains(id)));
+    }
+
+    #[test]
+    fn missing_values_are_those_around_them() {
+        for steps in [None, Some(2)] {
+            let mut maps = islands();
+            let heights = maps.numbers_mut(Plane::Height);
+            (0..4).for_each(|y| heights[(10 + y) * 64 + 8] = f32::NAN);
+            fill(&mut maps, steps);
+            let heights = maps.numbers(Plane::Height);
+            assert!(
+                (0..4).all(|y| heights[(10 + y) * 64 + 8] == 1.0) && heights.iter().all(|v| v.is_finite())
+            );
+            let mut lost = islands();
+            lost.numbers_mut(Plane::Height).fill(f32::NAN);
+            fill(&mut lost, steps);
+            assert!(lost.numbers(Plane::Height).iter().all(|v| *v == 0.0));
+        }
     }
 
     #[test]

@@ -34,7 +34,7 @@ pub use faults::{Faults, Shells};
 pub use fit::{Astray, Fit, uncovered};
 pub use fit_normals::fit_normals;
 pub use maps::{BakeCounts, Baked, BakedMaps, MapContent, MapKind, Maps, Plane, TexelStatus};
-pub use projection::{Correspondence, ProjectionRay};
+pub use projection::{Among, Correspondence, ProjectionRay};
 pub(crate) use scan::Retextured;
 pub use scan::{Scan, Visibility};
 pub use sights::SightLine;

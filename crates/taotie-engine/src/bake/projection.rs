@@ -28,8 +28,17 @@ pub struct ProjectionRay<'a> {
     pub direction: Vec3,
     /// The ray distance, both into and out of the low-poly surface, in model units.
     pub distance: f32,
-    /// A flag per object of the scan: `true` if its correspondence may be there; `None` for all.
-    pub objects: Option<&'a [bool]>,
+    /// The objects of the scan on which its correspondence may be; `None` for all.
+    pub among: Option<Among<'a>>,
+}
+
+/// The objects of a group.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Among<'a> {
+    /// The group of each object of the scan.
+    pub groups: &'a [Option<u32>],
+    /// The group that counts.
+    pub group: u32,
 }
 
 impl ProjectionRay<'_> {
@@ -64,6 +73,8 @@ impl Scan {
         let is_visible = |hit: &Hit| self.is_visible(hit.point(), projection.direction);
         let found = match nearest.second() {
             None => (hit, normal),
+            // Parts of other groups may hide it.
+            Some(_) if projection.among.is_some() => (hit, normal),
             Some(_) if is_visible(&hit) => (hit, normal),
             Some((second, normal)) if is_visible(&second) => (second, normal),
             Some(_) => {
@@ -91,7 +102,9 @@ impl Scan {
     /// Returns `true` if a triangle belongs to an object on which the correspondence may be.
     #[inline]
     fn may_show(&self, projection: &ProjectionRay<'_>, triangle: u32) -> bool {
-        projection.objects.is_none_or(|objects| objects[self.surface().object_number(triangle)])
+        projection.among.is_none_or(|among| {
+            among.groups.get(self.surface().object_number(triangle)) == Some(&Some(among.group))
+        })
     }
 
     /// Returns the distance from the start of a projection ray to the closest point of the scan within `most`.
@@ -239,7 +252,7 @@ mod tests {
             point: Vec3::new(0.3, 0.4, z),
             direction,
             distance,
-            objects: None,
+            among: None,
         };
         let at = |z: f32, distance: f32| scan.project(&projection(z, up, distance));
         let below = at(0.2, 0.5).unwrap();
@@ -259,10 +272,19 @@ mod tests {
         let down = scan.project(&projection(0.9, -up, 0.5)).unwrap();
         assert!((down.height + 0.1).abs() < 1e-6);
         // Objects that do not belong to the ray are passed through, and are not close to it.
-        let far = |objects| ProjectionRay { objects, ..projection(0.9, -up, 2.0) };
-        assert!(scan.project(&far(Some(&[true, false]))).is_none());
-        assert!((scan.project(&far(Some(&[false, true]))).unwrap().height + 0.1).abs() < 1e-6);
-        assert!((scan.distance_to(&far(Some(&[true, false])), 2.0).unwrap() - 0.9).abs() < 1e-6);
+        let groups = [Some(7), None];
+        let far = |group| {
+            let among = Some(Among { groups: &groups, group });
+            ProjectionRay { among, ..projection(0.9, up, 2.0) }
+        };
+        assert!((scan.project(&far(7)).unwrap().height + 0.9).abs() < 1e-6);
+        assert!(scan.project(&far(8)).is_none() && scan.distance_to(&far(8), 2.0).is_none());
+        assert!((scan.distance_to(&far(7), 2.0).unwrap() - 0.9).abs() < 1e-6);
+        let above = |groups| {
+            let among = Some(Among { groups, group: 1 });
+            scan.distance_to(&ProjectionRay { among, ..projection(0.9, up, 2.0) }, 2.0)
+        };
+        assert!((above(&[None, Some(1)]).unwrap() - 0.1).abs() < 1e-6);
     }
 
     #[test]
@@ -271,7 +293,7 @@ mod tests {
         let up = Vec3::new(0.0, 0.0, 1.0);
         let outside = Vec3::new(-0.3, 0.5, 0.1);
         let closest = |direction: Vec3, most: f32| {
-            let projection = ProjectionRay { point: outside, direction, distance: 0.0, objects: None };
+            let projection = ProjectionRay { point: outside, direction, distance: 0.0, among: None };
             scan.closest(&projection, most)
         };
         let found = closest(up, 1.0).unwrap();

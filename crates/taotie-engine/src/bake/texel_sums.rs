@@ -159,9 +159,15 @@ impl PointSums {
         self.depth.weight += depth.weight;
     }
 
-    /// Writes the means; a texel without points keeps its values.
+    /// Writes the means; without points, NaN, which [`super::fill`] replaces by what is around it.
     pub fn store(&self, texel: usize, maps: &mut BandMaps<'_>) {
         if self.count == 0 {
+            let missing = Vec3::splat(f32::NAN);
+            [Plane::Position, Plane::VertexColor]
+                .into_iter()
+                .for_each(|plane| maps.set_vector(plane, texel, missing));
+            let numbers = [Plane::Thickness, Plane::MaterialId, Plane::ObjectId];
+            numbers.into_iter().for_each(|plane| maps.set(plane, texel, f32::NAN));
             return;
         }
         let share = 1.0 / self.count as f32;

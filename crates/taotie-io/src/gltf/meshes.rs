@@ -32,6 +32,8 @@ pub(super) struct Meshes {
     pub instances: Vec<Instance>,
     /// The node of each instance; `None` for those placed by a skin or by nothing.
     pub nodes: Vec<Option<usize>>,
+    /// The document's node that shows each instance; `None` if the file has no nodes.
+    pub shown_by: Vec<Option<usize>>,
     /// The shapes that animations deform; empty if the file has none.
     pub deformed: Vec<Deformed>,
     /// The skins of the shown meshes.
@@ -89,6 +91,7 @@ impl Builder<'_> {
             for (mesh, material) in self.build_mesh(mesh, None)? {
                 self.out.instances.push(Instance { mesh, material, world_from_object: Mat4::IDENTITY });
                 self.out.nodes.push(None);
+                self.out.shown_by.push(None);
             }
         }
         Ok(())
@@ -112,13 +115,14 @@ impl Builder<'_> {
         if !reading.take((placed.len() * parts.len() * size_of::<(Instance, Option<usize>)>()) as u64) {
             reading.check()?;
         }
-        for node in placed {
-            let hangs_on = is_placed.then_some(node);
+        for place in placed {
+            let hangs_on = is_placed.then_some(place);
             let world = hangs_on.map_or(Mat4::IDENTITY, |node| self.nodes.world[node]);
             for (mesh, material) in parts {
                 let instance = Instance { mesh: *mesh, material: *material, world_from_object: world };
                 self.out.instances.push(instance);
                 self.out.nodes.push(hangs_on);
+                self.out.shown_by.push(Some(node));
             }
         }
         Ok(())

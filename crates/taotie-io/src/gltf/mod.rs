@@ -153,7 +153,7 @@ impl Shapes {
         add_missing_uvs(&mut scene, &variants, &mut shown.deformed, &mut warnings)?;
         let structure = statistics::structure(document, &nodes);
         let placed =
-            shown.nodes.iter().zip(scene.instances.iter().map(|instance| &mesh_names[instance.mesh]));
+            shown.shown_by.iter().zip(scene.instances.iter().map(|instance| &mesh_names[instance.mesh]));
         let of_node = |node: usize| document.root.nodes.get(node)?.name.clone();
         let object_names =
             placed.map(|(node, mesh)| node.and_then(of_node).unwrap_or_else(|| mesh.clone())).collect();

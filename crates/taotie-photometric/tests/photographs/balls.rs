@@ -226,6 +226,9 @@ fn a_grey_ball_or_a_board_shows_how_bright_each_light_is() {
     }
     let with_board = error(&open(folder.path(), &Setup::default()), Some(flat.path()));
     assert!(with_board < 0.5, "{with_board}");
+    // Known intensities count once.
+    let both = error(&set, Some(flat.path()));
+    assert!(both < 0.5, "{both}");
 }
 
 #[test]

@@ -272,7 +272,13 @@ fn what_is_not_there_is_counted_and_never_made_up() {
     let low = with_frames(&square(0.0, 2.0), 0, None).unwrap().0.into_owned();
     let cage = Cage::uniform(&low, 0.02).unwrap();
     let input = BakeInput { low: &low, cage: &cage, scan: &scan };
-    let baked = bake(input, &settings(64, &[MapKind::Normal]), Progress::SILENT).unwrap();
+    let kinds = [MapKind::Normal, MapKind::Position, MapKind::ObjectId];
+    let baked = bake(input, &settings(64, &kinds), Progress::SILENT).unwrap();
+    // Texels without a point of the scan have those of texels around them.
+    assert!(
+        baked.maps.vectors(Plane::Position).iter().all(|p| p[0] <= 0.0 && p.iter().all(|v| v.is_finite()))
+    );
+    assert!(baked.maps.numbers(Plane::ObjectId).iter().all(|id| *id == 0.0));
     let counts = baked.counts;
     assert_eq!(counts.samples, 64 * 64 * 4);
     assert_eq!(counts.missed, counts.samples / 2, "the right half");

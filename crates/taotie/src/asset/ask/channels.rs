@@ -73,6 +73,11 @@ const RECIPES: [(&str, &str); 3] = [
     ("unity-mask", "R=metallic,G=ao,B=1,A=1-roughness"),
 ];
 
+/// Returns the channels of a recipe; empty for other names.
+fn recipe(name: &str) -> &'static str {
+    RECIPES.iter().find(|(known, _)| *known == name).map_or("", |(_, list)| list)
+}
+
 impl Channels {
     /// Returns its name, which the file is named after: `scan.orm.png`.
     pub fn name(&self) -> &str {
@@ -82,6 +87,21 @@ impl Channels {
     /// Returns the contents of red, green, blue and, if there are four, alpha.
     pub(in crate::asset) fn sources(&self) -> &[ChannelSource] {
         &self.sources
+    }
+
+    /// Checks all textures of an asset as [`Channels::check`], and that their names differ.
+    ///
+    /// # Errors
+    /// Those of [`Channels::check`], and [`Error::Invalid`] with a name that two of them have.
+    pub fn check_all(all: &[Self], maps: &[MapKind], carry: bool) -> Result<()> {
+        for (i, channels) in all.iter().enumerate() {
+            channels.check(maps, carry)?;
+            if all[..i].iter().any(|other| other.name.eq_ignore_ascii_case(&channels.name)) {
+                let what = format!("two textures of channels named {}", channels.name);
+                return Err(Error::invalid(what, "give each a name, as in NAME:R=ao,G=height,B=0"));
+            }
+        }
+        Ok(())
     }
 
     /// Refuses channels of maps that are not baked. With `carry`, what varies in the scan's materials is baked, and the
@@ -126,12 +146,16 @@ impl FromStr for Channels {
         let (name, list) = known.or_else(|| text.split_once(':')).unwrap_or(("channels", text));
         let wrong = |why: String| Error::invalid(format!("the channels `{text}`"), why);
         let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_".contains(c);
-        if name.is_empty() || !name.chars().all(is_plain) || MapKind::from_name(name).is_ok() {
+        let names: Vec<&str> = RECIPES.iter().map(|(name, _)| *name).collect();
+        // Some systems ignore case in names of files.
+        let lower = name.to_ascii_lowercase();
+        let is_taken =
+            MapKind::from_name(&lower).is_ok() || names.contains(&lower.as_str()) && list != recipe(&lower);
+        if name.is_empty() || !name.chars().all(is_plain) || is_taken {
             return Err(wrong(format!(
-                "`{name}` cannot name a file; use letters, digits and `-`, and no map's name"
+                "`{name}` cannot name a file; use letters, digits and `-`, and neither a map's nor a recipe's name"
             )));
         }
-        let names: Vec<&str> = RECIPES.iter().map(|(name, _)| *name).collect();
         let form = format!("use {}, or a list such as R=ao,G=roughness,B=1-height", names.join(", "));
         let mut sources = Vec::new();
         for (part, channel) in list.split(',').zip(CHANNELS) {
@@ -262,7 +286,8 @@ mod tests {
             ("R=metallic-roughness,G=0,B=0", "use metallic or roughness"),
             ("R=2,G=0,B=0", "0 to 1"),
             ("../x:R=0,G=0,B=0", "cannot name a file"),
-            ("height:R=0,G=0,B=0", "no map's name"),
+            ("Height:R=0,G=0,B=0", "neither a map's nor a recipe's name"),
+            ("orm:R=0,G=0,B=0", "neither a map's nor a recipe's name"),
             ("unity", "use orm, unreal, unity-mask, or a list"),
         ];
         for (text, why) in cases {

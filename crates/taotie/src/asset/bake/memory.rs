@@ -2,7 +2,7 @@
 
 use crate::asset::ask::{BakeOptions, Packing};
 use crate::asset::source::ScanSize;
-use taotie_engine::bake::{MapKind, Maps, bytes_of_bands};
+use taotie_engine::bake::{MapContent, MapKind, Maps, bytes_of_bands};
 use taotie_engine::error::{Error, Result};
 use taotie_io::{Bytes, CodecKind, ImageCodec, Limits, TextureCodecs};
 
@@ -50,6 +50,8 @@ pub struct MemoryEstimate {
     pub levels: u64,
     /// The formats of its textures.
     pub images: TextureCodecs,
+    /// `true` if channels are packed into further textures.
+    pub packs_channels: bool,
     /// `true` if the asset is measured against the scan afterwards.
     pub is_proved: bool,
     /// The maximum texture side on a page that shows the asset afterwards, texels; `None` without a page.
@@ -70,11 +72,12 @@ impl MemoryEstimate {
             texels: options.map_size().map(u64::from).iter().product(),
             texel_bytes: texel_bytes(options, scan.carries),
             band_bytes: bytes_of_bands(options.map_size(), options.side, wanted),
-            stored_bytes: maps * codes(options),
+            stored_bytes: wanted.iter().map(|map| codes(options, map)).sum(),
             maps,
             materials: 1,
             levels: 1 + options.lods.len() as u64,
             images: TextureCodecs::default(),
+            packs_channels: false,
             is_proved: false,
             shown_side: None,
         }
@@ -82,7 +85,7 @@ impl MemoryEstimate {
 
     /// Returns the need of a bake that is written with this packing; the default is PNG.
     pub fn with_packing(self, packing: &Packing) -> Self {
-        Self { images: packing.images, ..self }
+        Self { images: packing.images, packs_channels: !packing.channels.is_empty(), ..self }
     }
 
     /// Returns the need of a bake whose asset is measured against the scan afterwards.
@@ -146,7 +149,10 @@ impl MemoryEstimate {
 
     /// Returns the bytes while textures are packed, one per thread at a time.
     fn writing(&self) -> u64 {
-        let stored = self.stored_of(self.materials);
+        /// A texture of channels and its file.
+        const PACKED: u64 = 16;
+        let packed = if self.packs_channels { self.texels * PACKED } else { 0 };
+        let stored = self.stored_of(self.materials).saturating_add(packed);
         self.scan.bytes().saturating_add(stored).saturating_add(self.packing(self.texels, self.images))
     }
 
@@ -247,13 +253,13 @@ fn most(images: TextureCodecs, of: fn(Coding) -> u64) -> u64 {
 /// Bytes per texel over all maps: floats during baking, codes afterwards, and the buffers for filling.
 fn texel_bytes(options: &BakeOptions, carries: Maps) -> u64 {
     let floats = |map: MapKind| map.planes().iter().map(|plane| 4 * plane.channels() as u64).sum::<u64>();
-    let codes = codes(options);
-    8 + maps(options, carries).iter().map(|map| floats(map) + codes).sum::<u64>()
+    8 + maps(options, carries).iter().map(|map| floats(map) + codes(options, map)).sum::<u64>()
 }
 
-/// The maximum bytes per texel of a stored map.
-fn codes(options: &BakeOptions) -> u64 {
-    4 * u64::from(options.bits / 8)
+/// The bytes per texel of a stored map: numbers with a unit have 16 bits.
+fn codes(options: &BakeOptions, map: MapKind) -> u64 {
+    let bits = if map.content() == MapContent::Length { 16 } else { options.bits };
+    4 * u64::from(bits / 8)
 }
 
 fn maps(options: &BakeOptions, carries: Maps) -> Maps {
@@ -281,6 +287,7 @@ mod tests {
             materials: 1,
             levels: 1,
             images: TextureCodecs::default(),
+            packs_channels: false,
             is_proved: false,
             shown_side: None,
         };

@@ -11,6 +11,7 @@ use crate::asset::bake::{
 };
 use crate::asset::source::{KeptTextures, LowPoly, Pair, Rays, Scan, low_poly};
 use std::borrow::Cow;
+use std::sync::Arc;
 use taotie_engine::bake::{self, MapKind};
 use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::image::{Encoding, Texture};
@@ -394,8 +395,8 @@ impl<'a> LevelMaker<'a> {
         };
         let mesh = on_uvs(&low.mesh, count, progress)?;
         let (origin, material) = (low.origin.clone(), low.material.clone());
-        let level =
-            LowPoly { mesh, origin, material, kept: KeptTextures::default(), own: None, groups: None };
+        let groups = low.groups.as_ref().map(|groups| Arc::new(groups.carried_over(&low.mesh, &mesh)));
+        let level = LowPoly { mesh, origin, material, kept: KeptTextures::default(), own: None, groups };
         let options = BakeOptions { maps: vec![MapKind::Normal], ..self.recipe.options.clone() };
         let rays = match self.recipe.rays {
             Rays::Uniform(distance) => Rays::Uniform(*distance),

@@ -318,30 +318,30 @@ const HIGH: &str = "_high";
 pub(in crate::asset) struct Groups {
     /// The names of the groups, sorted.
     pub names: Vec<String>,
-    /// The group of each object of the low-poly mesh, an index into `names`; their number for those that show the
-    /// whole scan.
-    of_low: Vec<usize>,
-    /// A flag per object of the scan for each group, and for the whole scan.
-    objects: Vec<Vec<bool>>,
+    /// The group of each object of the low-poly mesh, an index into `names`; `None` if it shows the whole scan.
+    of_low: Vec<Option<u32>>,
+    /// The group of each object of the scan.
+    of_high: Arc<[Option<u32>]>,
 }
 
 impl Groups {
     /// Matches objects by their names; `None` if no name of the low-poly mesh has a counterpart, or if all objects
     /// are one group. Objects without a counterpart are noted.
     pub fn matched(low: &[String], high: &[String], warnings: &mut Warnings) -> Option<Self> {
-        let of_high: Vec<Option<String>> = high.iter().map(|name| group(name, HIGH)).collect();
-        let of_low: Vec<Option<String>> = low.iter().map(|name| group(name, LOW)).collect();
+        let of_high: Vec<Option<String>> =
+            high.iter().map(|name| taotie_io::name_before(name, HIGH)).collect();
+        let of_low: Vec<Option<String>> = low.iter().map(|name| taotie_io::name_before(name, LOW)).collect();
         let named: BTreeSet<&String> = of_high.iter().flatten().collect();
         let shared: BTreeSet<&String> = of_low.iter().flatten().filter(|name| named.contains(name)).collect();
         let names: Vec<String> = shared.into_iter().cloned().collect();
-        let number = |name: &Option<String>| name.as_ref().and_then(|name| names.binary_search(name).ok());
+        let number = |name: &Option<String>| names.binary_search(name.as_ref()?).ok().map(|k| k as u32);
         let [low_groups, high_groups] =
-            [&of_low, &of_high].map(|all| all.iter().map(number).collect::<Vec<Option<usize>>>());
+            [&of_low, &of_high].map(|all| all.iter().map(number).collect::<Vec<Option<u32>>>());
         let is_one = names.len() == 1 && low_groups.iter().chain(&high_groups).all(Option::is_some);
         if names.is_empty() || is_one {
             return None;
         }
-        let without = |groups: &[Option<usize>]| groups.iter().filter(|group| group.is_none()).count();
+        let without = |groups: &[Option<u32>]| groups.iter().filter(|group| group.is_none()).count();
         warnings.note(
             "objects of the low-poly mesh without a counterpart by name: they show whatever is nearest",
             without(&low_groups),
@@ -350,30 +350,19 @@ impl Groups {
             "objects of the scan without a counterpart by name: no matched object shows them",
             without(&high_groups),
         );
-        let of_group = |k: usize| high_groups.iter().map(|group| *group == Some(k)).collect();
-        let mut objects: Vec<Vec<bool>> = (0..names.len()).map(of_group).collect();
-        objects.push(vec![true; high.len()]);
-        let of_low = low_groups.into_iter().map(|group| group.unwrap_or(names.len())).collect();
-        Some(Self { names, of_low, objects })
+        Some(Self { names, of_low: low_groups, of_high: high_groups.into() })
     }
 
     /// Returns the groups of a mesh of these objects of the low-poly mesh, each with its number of triangles.
     pub fn of_mesh(&self, objects: impl Iterator<Item = (usize, usize)>) -> CageGroups {
         let of_object = |(object, triangles): (usize, usize)| {
-            let group = self.of_low.get(object).copied().unwrap_or(self.names.len());
-            std::iter::repeat_n(group, triangles)
+            std::iter::repeat_n(self.of_low.get(object).copied().flatten(), triangles)
         };
-        CageGroups { of_triangle: objects.flat_map(of_object).collect(), objects: self.objects.clone() }
+        CageGroups {
+            of_triangle: objects.flat_map(of_object).collect(),
+            of_object: Arc::clone(&self.of_high),
+        }
     }
-}
-
-/// Returns the name of an object's group in lower case: what is before the last `mark`, as `Wheel` in
-/// `Wheel_low.001`.
-fn group(name: &str, mark: &str) -> Option<String> {
-    let name = name.to_lowercase();
-    let (group, rest) = name.rsplit_once(mark)?;
-    let is_whole_word = rest.chars().next().is_none_or(|c| !c.is_alphanumeric());
-    (!group.is_empty() && is_whole_word).then(|| group.to_owned())
 }
 
 #[cfg(test)]
@@ -391,13 +380,12 @@ mod tests {
         let mut warnings = Warnings::default();
         let groups = Groups::matched(&low, &high, &mut warnings).unwrap();
         assert_eq!(groups.names, ["axle", "wheel"]);
-        assert_eq!(groups.of_low, [1, 0, 1, 2]);
-        assert_eq!(groups.objects[1], [false, true, true, false, false]);
-        assert_eq!(groups.objects[2], [true; 5]);
+        assert_eq!(groups.of_low, [Some(1), Some(0), Some(1), None]);
+        assert_eq!(*groups.of_high, [Some(0), Some(1), Some(1), None, None]);
         let counts: Vec<usize> = warnings.iter().map(|(_, count)| count).collect();
         assert_eq!(counts, [1, 2], "the cart; dust and hook");
         let mesh = groups.of_mesh([(1, 2), (3, 1)].into_iter());
-        assert_eq!(mesh.of_triangle, [0, 0, 2]);
+        assert_eq!(mesh.of_triangle, [Some(0), Some(0), None]);
     }
 
     #[test]

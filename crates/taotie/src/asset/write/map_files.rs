@@ -152,15 +152,21 @@ pub(super) struct PackedChannels<'a> {
 enum Origin<'a> {
     /// A channel of a stored texture, and the values of its black and white.
     Texture(&'a Bitmap, usize, Option<Range>),
-    /// The same code everywhere.
-    Uniform(f32),
+    /// The same code everywhere, and the values of black and white.
+    Uniform(f32, Option<Range>),
 }
 
 impl Origin<'_> {
     fn bitmap(&self) -> Option<&Bitmap> {
         match self {
             Self::Texture(bitmap, ..) => Some(bitmap),
-            Self::Uniform(_) => None,
+            Self::Uniform(..) => None,
+        }
+    }
+
+    fn range(&self) -> Option<Range> {
+        match self {
+            Self::Texture(_, _, range) | Self::Uniform(_, range) => *range,
         }
     }
 }
@@ -178,7 +184,7 @@ impl Source<'_> {
     fn code(&self, texel: usize) -> f32 {
         let code = match self.origin {
             Origin::Texture(bitmap, channel, _) => bitmap.stored(texel)[channel],
-            Origin::Uniform(code) => code,
+            Origin::Uniform(code, _) => code,
         };
         if self.is_inverted { 1.0 - code } else { code }
     }
@@ -218,10 +224,7 @@ impl PackedChannels<'_> {
         let bits = bits(&all);
         let note = |(source, letter): (&Source<'_>, &'static str)| {
             let quantity = source.quantity?;
-            let range = match source.origin {
-                Origin::Texture(_, _, range) => range,
-                Origin::Uniform(_) => None,
-            };
+            let range = source.origin.range();
             let whole = Range { black: 0.0, white: 1.0, unit: "" };
             let range = range.or(source.is_inverted.then_some(whole));
             let ends = range.map(|Range { black, white, .. }| match source.is_inverted {
@@ -236,7 +239,7 @@ impl PackedChannels<'_> {
                 black: ends.map(|[black, _]| black),
                 white: ends.map(|[_, white]| white),
                 unit: range.map_or("", |range| range.unit),
-                origin: None,
+                origin: self.own(quantity.map()).and_then(|own| own.origin),
                 legend: BTreeMap::new(),
                 channel: Some(letter),
             })
@@ -247,7 +250,7 @@ impl PackedChannels<'_> {
     fn sources(&self) -> Result<Vec<Source<'_>>> {
         let of = |source: &ChannelSource| match source {
             ChannelSource::Constant(code) => {
-                Ok(Source { origin: Origin::Uniform(*code), quantity: None, is_inverted: false })
+                Ok(Source { origin: Origin::Uniform(*code, None), quantity: None, is_inverted: false })
             }
             ChannelSource::Map(MapChannel { quantity, is_inverted }) => {
                 let origin = self.origin(*quantity)?;
@@ -257,16 +260,30 @@ impl PackedChannels<'_> {
         self.channels.sources().iter().map(of).collect()
     }
 
+    /// Returns the separate map of a kind, with green as requested.
+    fn own(&self, map: MapKind) -> Option<&SeparateMap> {
+        self.turned.iter().chain(&self.part.maps.textures.separate).find(|own| own.map == map)
+    }
+
+    fn refused(&self, why: String) -> Error {
+        Error::invalid(format!("the channels `{}`", self.channels.name()), why)
+    }
+
     /// Returns where a quantity is stored: in a texture, or in factors of the material.
     fn origin(&self, quantity: Quantity) -> Result<Origin<'_>> {
         let Part { low, maps } = self.part;
         let (textures, map) = (&maps.textures, quantity.map());
-        let own = self.turned.iter().chain(&textures.separate).find(|own| own.map == map);
-        if let Some(own) = own {
+        if low.origin.is_scan {
+            return Err(self
+                .refused("the asset is the scan, packed; give triangles, a size or a low-poly mesh".into()));
+        }
+        if let Some(own) = self.own(map) {
             let channel = if let Quantity::Component(_, channel) = quantity { channel } else { 0 };
             return Ok(Origin::Texture(&own.bitmap, channel, own.range));
         }
         let material = textures.material(&low.material, &low.kept);
+        // Of a baked map, all factors are the radiance of white.
+        let brightest = material.emissive.iter().fold(1.0, |most: f32, v| most.max(*v));
         let (baked, factor, kept) = match quantity {
             Quantity::Metallic => {
                 (textures.roughness_texture(), (2, material.metallic), &low.kept.metallic_roughness)
@@ -286,23 +303,28 @@ impl PackedChannels<'_> {
                 (textures.color.as_ref(), (k, code), &low.kept.color)
             }
             Quantity::Component(MapKind::Emission, k) => {
-                let code = srgb_from_linear(f64::from(material.emissive[k].min(1.0))) as f32;
+                let code = srgb_from_linear(f64::from(material.emissive[k] / brightest)) as f32;
                 (textures.emission.as_ref(), (k, code), &low.kept.emission)
             }
-            Quantity::Component(_, k) => (textures.normal.as_ref(), (k, [0.5, 0.5, 1.0][k]), &None),
-            Quantity::Map(_) => (None, (0, 0.0), &None),
+            Quantity::Component(MapKind::Normal, k) => {
+                (textures.normal.as_ref(), (k, [0.5, 0.5, 1.0][k]), &None)
+            }
+            Quantity::Component(..) | Quantity::Map(_) => {
+                return Err(self.refused(format!("{} is not baked; add it to the maps", map.name())));
+            }
         };
         let (channel, code) = factor;
+        let radiance = Range { black: 0.0, white: f64::from(brightest), unit: "radiance" };
+        let range = (map == MapKind::Emission).then_some(radiance);
         match (baked, kept) {
-            (Some(bitmap), _) => Ok(Origin::Texture(bitmap, channel, None)),
-            (None, None) => Ok(Origin::Uniform(code)),
+            (Some(bitmap), _) => Ok(Origin::Texture(bitmap, channel, range)),
+            (None, None) => Ok(Origin::Uniform(code, range)),
             (None, Some(_)) => {
-                let what = format!("the channels `{}`", self.channels.name());
                 let why = format!(
                     "{} is not baked: the low-poly mesh keeps its own; add it to the maps",
                     map.name()
                 );
-                Err(Error::invalid(what, why))
+                Err(self.refused(why))
             }
         }
     }

@@ -2,8 +2,8 @@
 //! materials.
 
 use super::map_files::{
-    MapNote, Meaning, PackedChannels, codes_of_normals, encode_numbers, encoding_of, named, note_unlit,
-    turned_green,
+    MapNote, Meaning, PackedChannels, codes_of_normals, encode_numbers, encoding_of, name_of, named,
+    note_unlit, turned_green,
 };
 use crate::asset::ask::{Channels, Packing};
 use crate::asset::bake::{Made, Part, Range, SeparateMap, labeled};
@@ -187,7 +187,18 @@ pub(super) fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec
             let (bitmap, path) = (packed.bitmap()?, sibling(path, &packed.name()));
             // Its codes have different meanings.
             let file = MapFile { path, ..MapFile::new(MapKind::Roughness, &bitmap) };
-            encoded.push(FileBytes { bytes: file.encoded(&bitmap)?, path: file.path.clone() });
+            let bytes = file.encoded(&bitmap)?;
+            match encoded.iter().find(|known| known.path == file.path) {
+                // Occlusion, roughness and metalness share a texture anyway.
+                Some(known) if known.bytes == bytes => {}
+                Some(_) => {
+                    let what = format!("the channels `{}`", channels.name());
+                    let why =
+                        format!("{} already holds other maps; choose another name", name_of(&file.path));
+                    return Err(Error::invalid(what, why));
+                }
+                None => encoded.push(FileBytes { bytes, path: file.path.clone() }),
+            }
         }
     }
     Ok(encoded)

@@ -81,6 +81,8 @@ impl Asset {
     ) -> Result<WrittenAsset> {
         let progress = progress.begin("write")?;
         set.protect(self.made.about.files.iter().chain(&self.made.low_files).chain(&packing.provenance))?;
+        let options = &self.made.options;
+        Channels::check_all(&packing.channels, &options.maps, options.carry)?;
         let is_overruled = self.made.rounding.is_some() && packing.format() != Packing::default().format();
         let packing = self.made.packing(packing);
         let requested = path.to_path_buf();
@@ -366,15 +368,16 @@ fn notes(made: &Made, packing: &Packing, files: &[FileBytes]) -> Warnings {
     warnings
 }
 
-/// Returns true if the alpha of the base colour texture is written.
 /// Returns `true` for a map that no material shows.
 fn is_beside(path: &Path, packing: &Packing) -> bool {
-    let separate = MapKind::NAMES.iter().filter(|(_, map)| map.is_separate()).map(|(name, _)| *name);
+    let is_beside = |(_, map): &&(&str, MapKind)| map.is_separate() || *map == MapKind::Normal;
+    let separate = MapKind::NAMES.iter().filter(is_beside).map(|(name, _)| *name);
     let mut names = separate.chain(packing.channels.iter().map(Channels::name));
     let file = name_of(path);
     names.any(|name| file.ends_with(&format!(".{name}.png")))
 }
 
+/// Returns true if the alpha of the base colour texture is written.
 fn has_alpha(material: &GltfMaterial<'_>) -> bool {
     let has = |image| matches!(image, GltfImage::Bitmap(bitmap) if matches!(bitmap.channels(), 2 | 4));
     material.alpha != AlphaMode::Opaque && material.base_color_map.is_some_and(has)
@@ -439,6 +442,9 @@ fn extras(sets: &[BesideMaps<'_>], path: &Path, packing: &Packing) -> Result<Opt
         for note in packed.notes(&file)? {
             about[note.channel.unwrap_or_default()] =
                 json!({ "map": note.map, "black": note.black, "white": note.white, "unit": note.unit });
+            if let Some(origin) = note.origin {
+                about[note.channel.unwrap_or_default()]["origin"] = json!(origin);
+            }
         }
         maps.insert(packed.name(), about);
     }
