@@ -22,7 +22,7 @@ pub struct Samples {
     pub images: Vec<Vec<Sample>>,
     /// For each photograph the unit vector towards its light, from the picture's centre.
     pub lights: Vec<Vec3<f64>>,
-    /// For each photograph the place of its lamp if it is near, as in [`Light::position`].
+    /// For each photograph the place of its lamp if it is near, as in [`crate::Light::position`].
     pub positions: Vec<Option<Vec3<f64>>>,
     /// Bits per channel of the photographs.
     pub bits: u8,

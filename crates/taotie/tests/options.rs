@@ -5,8 +5,7 @@ use serde::de::DeserializeOwned;
 use serde_json::{from_str, json, to_string, to_value};
 use std::fmt::Debug;
 use std::sync::Arc;
-use taotie::Limits;
-use taotie::asset::{BakeOptions, Packing, ScanOptions, VerifyOptions};
+use taotie::asset::{BakeOptions, Baker, Packing, Scan, ScanOptions, VerifyOptions};
 use taotie::comparison::diff::{self, DiffOptions, Metric};
 use taotie::comparison::{ComparisonOptions, Matching, Method, SamplePoints};
 use taotie::inspection::{Check, CheckStatus};
@@ -14,6 +13,7 @@ use taotie::studio::{
     CameraOptions, EnvironmentOptions, LightForm, LightOptions, LightSpec, MapOptions, MaterialFactors,
     MaterialOptions,
 };
+use taotie::{Limits, Mesh, Progress};
 use taotie_engine::bake::MapKind;
 use taotie_engine::compare::NormalEncoding;
 use taotie_engine::film::{Development, ToneCurve};
@@ -161,4 +161,21 @@ fn lights_survive_json() {
     let lamp: LightSpec = "point at=1,2,3 strength=2".parse().unwrap();
     assert_survives(&LightSpec { form, ..lamp });
     assert_survives(&lamp);
+}
+
+#[test]
+fn channels_need_their_maps() {
+    let scan = Scan::from_mesh(Mesh::sphere(1.0, 24, 12), Progress::SILENT).unwrap();
+    let options = BakeOptions { triangles: 100, size: 64, ..BakeOptions::default() };
+    let asset = Baker::new(options).bake(scan, Progress::SILENT).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let refused = |channels: &[&str]| {
+        let channels = channels.iter().map(|text| text.parse().unwrap()).collect();
+        let packing = Packing { channels, ..Packing::default() };
+        asset.write(folder.path().join("a.glb"), &packing, Progress::SILENT).unwrap_err().to_string()
+    };
+    assert!(refused(&["R=ao,G=0,B=0"]).contains("ao is not baked; add it to the maps"));
+    assert!(refused(&["x:R=world-normal.r,G=0,B=0"]).contains("world-normal is not baked"));
+    assert!(refused(&["a:R=0,G=0,B=0", "A:R=1,G=1,B=1"]).contains("named A"));
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "nothing is written");
 }

@@ -576,21 +576,6 @@ fn a_search_may_have_levels_of_detail_without_a_map() {
 }
 
 #[test]
-fn channels_need_their_maps() {
-    let asset = Baker::new(options()).bake(small(), Progress::SILENT).unwrap();
-    let folder = tempfile::tempdir().unwrap();
-    let refused = |channels: &[&str]| {
-        let channels = channels.iter().map(|text| text.parse().unwrap()).collect();
-        let packing = Packing { channels, ..Packing::default() };
-        asset.write(folder.path().join("a.glb"), &packing, Progress::SILENT).unwrap_err().to_string()
-    };
-    assert!(refused(&["R=ao,G=0,B=0"]).contains("ao is not baked; add it to the maps"));
-    assert!(refused(&["x:R=world-normal.r,G=0,B=0"]).contains("world-normal is not baked"));
-    assert!(refused(&["a:R=0,G=0,B=0", "A:R=1,G=1,B=1"]).contains("named A"));
-    assert_eq!(names(folder.path()), [""; 0], "nothing is written");
-}
-
-#[test]
 fn maps_are_available_without_files() {
     let options =
         BakeOptions { maps: vec![MapKind::Normal, MapKind::Occlusion, MapKind::Height], ..options() };

@@ -1,7 +1,7 @@
 //! Reflectance, the light that a surface reflects to the viewer: pure functions of numbers, each formula written once
 //! over [`Lane`].
 //!
-//! [`fresnel`], [`ndf`] and [`masking`] are the parts, free to combine; [`reflect`] evaluates the named models of
+//! [`fresnel`] and [`microfacets`] are the parts, free to combine; [`reflect`] evaluates the named models of
 //! [`Shading`], and [`furnace`] integrates their reflection. Nothing here depends on a scene: the caller samples
 //! textures into a [`MaterialSample`], creates [`Angles`] from its directions and multiplies the result by the
 //! irradiance, for which [`lights`] has the formulas.

@@ -149,9 +149,8 @@ impl MemoryEstimate {
 
     /// Returns the bytes while textures are packed, one per thread at a time.
     fn writing(&self) -> u64 {
-        /// A texture of channels and its file.
-        const PACKED: u64 = 16;
-        let packed = if self.packs_channels { self.texels * PACKED } else { 0 };
+        let packed =
+            if self.packs_channels { self.texels * most(self.images, |coding| coding.packing) } else { 0 };
         let stored = self.stored_of(self.materials).saturating_add(packed);
         self.scan.bytes().saturating_add(stored).saturating_add(self.packing(self.texels, self.images))
     }
