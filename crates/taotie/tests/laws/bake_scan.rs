@@ -326,6 +326,8 @@ fn maps_depend_on_neither_threads_nor_order() {
     // Sums over the triangles around a vertex are rounded depending on their order: in the scan those of its
     // curvature, in the low-poly mesh those of the cage. Measured: 3.6e-7 and 7.5e-7.
     const ROUNDING: f32 = 1e-6;
+    // Rays that graze the opposite side move further. Measured: 3.05e-6.
+    const OF_RAYS: f32 = 4e-6;
     const ROUNDED: [Plane; 8] = [
         Plane::Normal,
         Plane::Height,
@@ -346,7 +348,8 @@ fn maps_depend_on_neither_threads_nor_order() {
     for (what, other, rounded) in cases {
         assert!(one.texels == other.texels, "{what}");
         for (map, most) in differences(&one, &other) {
-            let allowed = if rounded.is_some_and(|r| r.contains(&map)) { ROUNDING } else { 0.0 };
+            let rounding = if map == Plane::Thickness { OF_RAYS } else { ROUNDING };
+            let allowed = if rounded.is_some_and(|r| r.contains(&map)) { rounding } else { 0.0 };
             assert!(most <= allowed, "{what}: {map:?} differs by {most}");
         }
     }
