@@ -92,7 +92,9 @@ def maps() -> Iterator[Item]:
     """The maps of `taotie bake`. A command may write several; the lamp's are those that a bronze does not have."""
     bronze = f"taotie bake {HIGH} --low {JUE} --size 512 --no-verify"
     together = f"{bronze} --maps normal,albedo,height,bent,curvature,metallic-roughness -o maps.png"
+    points = f"{bronze} --maps normal,position,world-normal,thickness,wireframe -o points.png"
     lamps = "taotie bake lamp.gltf --low lamp.gltf --size 512 --no-verify --maps emission,alpha,occlusion -o lamp.png"
+    ids = "taotie bake lamp-parts.obj --low lamp.gltf --size 512 --no-verify --maps normal,vertex-color,material-id,object-id -o ids.png"
     known = {
         "normal": (together, "maps.png", "the relief, in tangent space"),
         "ao": (f"{bronze} --maps ao -o ao.png", "ao.png", "ambient occlusion, by rays"),
@@ -105,6 +107,13 @@ def maps() -> Iterator[Item]:
         "emission": (lamps, "lamp.emission.png", "emitted light, of a lamp"),
         "alpha": (lamps, "lamp.png", "the openings of its shade, in the base colour"),
         "occlusion": (lamps, "lamp.occlusion.png", "the scan's own occlusion texture"),
+        "position": (points, "points.position.png", "x, y and z from the centre"),
+        "world-normal": (points, "points.world-normal.png", "the scan's normals in its own space"),
+        "thickness": (points, "points.thickness.png", "the mean distance to the other side"),
+        "wireframe": (points, "points.wireframe.png", "the edges of the low-poly mesh"),
+        "vertex-color": (ids, "ids.vertex-color.png", "the colours of the scan's vertices"),
+        "material-id": (ids, "ids.material-id.png", "a colour for each material"),
+        "object-id": (ids, "ids.object-id.png", "a colour for each object"),
     }
     for name in matched("Map", known):
         command, file, remark = known[name]

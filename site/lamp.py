@@ -1,4 +1,4 @@
-"""A lamp for the gallery: a globe with an occlusion texture, whose shade has openings and glows."""
+"""A lamp for the gallery: a globe with an occlusion texture, whose shade has openings and glows; and its parts."""
 
 from __future__ import annotations
 
@@ -23,6 +23,17 @@ def write(folder: Path) -> None:
     (folder / "lamp.bin").write_bytes(b"".join(array.tobytes() for array in arrays))
     textures(folder)
     (folder / "lamp.gltf").write_text(json.dumps(document(arrays), indent=1))
+    (folder / "lamp-parts.obj").write_text(parts(arrays[0], faces.reshape(-1, 3)))
+
+
+def parts(points: np.ndarray, faces: np.ndarray) -> str:
+    """Return the globe in four rings of two materials, with vertex colours, as OBJ."""
+    shades = 0.5 + 0.5 * points[:, [0, 2, 1]]
+    lines = [f"v {' '.join(map(str, [*point, *shade]))}" for point, shade in zip(points, shades.round(3))]
+    for ring, part in enumerate(np.array_split(faces, 4)):
+        lines += [f"o ring{ring}_high", f"usemtl {'brass' if ring % 2 else 'ivory'}"]
+        lines += [f"f {a} {b} {c}" for a, b, c in part + 1]
+    return "\n".join(lines) + "\n"
 
 
 def textures(folder: Path) -> None:
