@@ -42,6 +42,19 @@ pub(super) struct Sample {
     pub weights: [f32; 3],
 }
 
+/// The surroundings of a triangle's edges.
+pub(super) struct Edges {
+    /// The weight of each corner at their border.
+    widths: [f32; 3],
+}
+
+impl Edges {
+    /// Returns `true` if a sample is within them.
+    pub fn is_near(&self, sample: &Sample) -> bool {
+        sample.weights.iter().zip(self.widths).any(|(weight, width)| *weight < width)
+    }
+}
+
 impl TriangleSamples {
     /// Returns the point of the mesh at one of its samples.
     #[inline]
@@ -49,15 +62,15 @@ impl TriangleSamples {
         Point { triangle: self.triangle, weights: sample.weights }
     }
 
-    /// Returns `true` if a sample is within one texel of an edge of the triangle, with `side` samples along a texel.
-    pub fn is_at_edge(&self, sample: &Sample, side: u32) -> bool {
+    /// Returns the surroundings of the triangle's edges, one texel wide, with `side` samples along a texel.
+    pub fn edges(&self, side: u32) -> Edges {
         let [origin, across, down] = self.weights;
-        (0..3).any(|k| {
-            // The weight of a corner is the distance from the opposite edge, in heights of the triangle.
+        // The weight of a corner is the distance from the opposite edge, in heights of the triangle.
+        let width = |k: usize| {
             let slope = [across[k] - origin[k], down[k] - origin[k]];
-            let per_sample = (slope[0] * slope[0] + slope[1] * slope[1]).sqrt();
-            sample.weights[k] < per_sample * side as f32
-        })
+            (slope[0] * slope[0] + slope[1] * slope[1]).sqrt() * side as f32
+        };
+        Edges { widths: std::array::from_fn(width) }
     }
 
     /// Returns the distance between neighbouring samples on a triangle with these corners: the longer of the two

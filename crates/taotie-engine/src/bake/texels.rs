@@ -238,11 +238,13 @@ impl Job<'_> {
             .collect();
         let found = search(self.scan, group, corners, &projections);
         let width = group.spacing(corners);
+        let draws_edges = self.settings.maps.has(MapKind::Wireframe);
+        let edges = draws_edges.then(|| group.edges(self.layout.side));
         let mut ao_samples = Vec::new();
         for ((sample, projection), found) in group.samples.iter().zip(&projections).zip(found) {
             let cell = &mut cells.surfaces[sample.texel as usize];
             self.add_frame(group.point(sample), cell);
-            cell.edges += u32::from(group.is_at_edge(sample, self.layout.side));
+            cell.edges += u32::from(edges.as_ref().is_some_and(|edges| edges.is_near(sample)));
             let Some(found) = self.found(projection, found, cell) else { continue };
             self.add(&found, width, cell);
             if let Some(sums) = cells.materials.get_mut(sample.texel as usize) {
@@ -341,8 +343,10 @@ impl Job<'_> {
         if maps.has(Plane::Bent) {
             maps.set_vector(Plane::Bent, i, self.turned(cell, cell.bent));
         }
-        let up = Vec3::new(0.0, 0.0, 1.0);
-        maps.set_vector(Plane::WorldNormal, i, cell.normal.normalize_or(cell.n.normalize_or(up)));
+        if maps.has(Plane::WorldNormal) {
+            let up = Vec3::new(0.0, 0.0, 1.0);
+            maps.set_vector(Plane::WorldNormal, i, cell.normal.normalize_or(cell.n.normalize_or(up)));
+        }
         maps.set(Plane::Wireframe, i, cell.edges as f32 * share);
         // Only samples with a correspondence have heights and curvatures.
         let of_found = 1.0 / (cell.samples - cell.lost).max(1) as f32;

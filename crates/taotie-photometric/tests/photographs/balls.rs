@@ -83,15 +83,16 @@ fn draw(folder: &Path, lamps: &[Lamp], chrome: &[Circle], grey: bool) {
             ((mean + grain).clamp(0.0, 1.0) * 65_535.0) as u16
         };
         let codes: Vec<u16> = (0..WIDTH * HEIGHT).map(code).collect();
-        let image = PngImage {
-            width: WIDTH as u32,
-            height: HEIGHT as u32,
-            color: PngColor::Grey,
-            samples: PngSamples::U16(&codes),
-            encoding: Encoding::Linear,
-        };
-        write_png(&folder.join(format!("{k:02}.png")), &image).unwrap();
+        write_grey(folder, k, &codes);
     }
+}
+
+/// Writes photograph `k` of a folder.
+fn write_grey(folder: &Path, k: usize, codes: &[u16]) {
+    let (width, height, color) = (WIDTH as u32, HEIGHT as u32, PngColor::Grey);
+    let image =
+        PngImage { width, height, color, samples: PngSamples::U16(codes), encoding: Encoding::Linear };
+    write_png(&folder.join(format!("{k:02}.png")), &image).unwrap();
 }
 
 fn lamps(is_near: bool, count: usize) -> Vec<Lamp> {
@@ -215,14 +216,7 @@ fn a_grey_ball_or_a_board_shows_how_bright_each_light_is() {
     for (k, lamp) in lamps.iter().enumerate() {
         let code = (0.8 * lamp.brightness * lamp.at.z.max(0.0) * 65_535.0).min(65_535.0) as u16;
         let codes = vec![code; WIDTH * HEIGHT];
-        let image = PngImage {
-            width: WIDTH as u32,
-            height: HEIGHT as u32,
-            color: PngColor::Grey,
-            samples: PngSamples::U16(&codes),
-            encoding: Encoding::Linear,
-        };
-        write_png(&flat.path().join(format!("{k:02}.png")), &image).unwrap();
+        write_grey(flat.path(), k, &codes);
     }
     let with_board = error(&open(folder.path(), &Setup::default()), Some(flat.path()));
     assert!(with_board < 0.5, "{with_board}");

@@ -148,15 +148,15 @@ pub(super) struct PackedChannels<'a> {
     pub turned: &'a [SeparateMap],
 }
 
-/// Where a channel comes from.
-enum Origin<'a> {
+/// The storage of a channel.
+enum Stored<'a> {
     /// A channel of a stored texture, and the values of its black and white.
     Texture(&'a Bitmap, usize, Option<Range>),
     /// The same code everywhere, and the values of black and white.
     Uniform(f32, Option<Range>),
 }
 
-impl Origin<'_> {
+impl Stored<'_> {
     fn bitmap(&self) -> Option<&Bitmap> {
         match self {
             Self::Texture(bitmap, ..) => Some(bitmap),
@@ -173,7 +173,7 @@ impl Origin<'_> {
 
 /// The content of a channel.
 struct Source<'a> {
-    origin: Origin<'a>,
+    stored: Stored<'a>,
     /// `None` for a constant.
     quantity: Option<Quantity>,
     is_inverted: bool,
@@ -182,16 +182,16 @@ struct Source<'a> {
 impl Source<'_> {
     /// Returns the code of a texel, [0, 1].
     fn code(&self, texel: usize) -> f32 {
-        let code = match self.origin {
-            Origin::Texture(bitmap, channel, _) => bitmap.stored(texel)[channel],
-            Origin::Uniform(code, _) => code,
+        let code = match self.stored {
+            Stored::Texture(bitmap, channel, _) => bitmap.stored(texel)[channel],
+            Stored::Uniform(code, _) => code,
         };
         if self.is_inverted { 1.0 - code } else { code }
     }
 }
 
 fn bits(sources: &[Source<'_>]) -> u8 {
-    sources.iter().filter_map(|source| source.origin.bitmap()).map(Bitmap::bits).max().unwrap_or(8)
+    sources.iter().filter_map(|source| source.stored.bitmap()).map(Bitmap::bits).max().unwrap_or(8)
 }
 
 impl PackedChannels<'_> {
@@ -206,7 +206,7 @@ impl PackedChannels<'_> {
     /// [`Error::Invalid`] for a map that was not baked.
     pub fn bitmap(&self) -> Result<Bitmap> {
         let all = self.sources()?;
-        let sizes = all.iter().filter_map(|source| source.origin.bitmap());
+        let sizes = all.iter().filter_map(|source| source.stored.bitmap());
         let size = sizes.map(|bitmap| [bitmap.width(), bitmap.height()]).next().unwrap_or([1, 1]);
         let storage = Storage { bits: bits(&all), dither: false };
         match all.as_slice() {
@@ -224,7 +224,7 @@ impl PackedChannels<'_> {
         let bits = bits(&all);
         let note = |(source, letter): (&Source<'_>, &'static str)| {
             let quantity = source.quantity?;
-            let range = source.origin.range();
+            let range = source.stored.range();
             let whole = Range { black: 0.0, white: 1.0, unit: "" };
             let range = range.or(source.is_inverted.then_some(whole));
             let ends = range.map(|Range { black, white, .. }| match source.is_inverted {
@@ -250,11 +250,11 @@ impl PackedChannels<'_> {
     fn sources(&self) -> Result<Vec<Source<'_>>> {
         let of = |source: &ChannelSource| match source {
             ChannelSource::Constant(code) => {
-                Ok(Source { origin: Origin::Uniform(*code, None), quantity: None, is_inverted: false })
+                Ok(Source { stored: Stored::Uniform(*code, None), quantity: None, is_inverted: false })
             }
             ChannelSource::Map(MapChannel { quantity, is_inverted }) => {
-                let origin = self.origin(*quantity)?;
-                Ok(Source { origin, quantity: Some(*quantity), is_inverted: *is_inverted })
+                let stored = self.stored(*quantity)?;
+                Ok(Source { stored, quantity: Some(*quantity), is_inverted: *is_inverted })
             }
         };
         self.channels.sources().iter().map(of).collect()
@@ -269,8 +269,8 @@ impl PackedChannels<'_> {
         Error::invalid(format!("the channels `{}`", self.channels.name()), why)
     }
 
-    /// Returns where a quantity is stored: in a texture, or in factors of the material.
-    fn origin(&self, quantity: Quantity) -> Result<Origin<'_>> {
+    /// Returns the storage of a quantity: a texture, or factors of the material.
+    fn stored(&self, quantity: Quantity) -> Result<Stored<'_>> {
         let Part { low, maps } = self.part;
         let (textures, map) = (&maps.textures, quantity.map());
         if low.origin.is_scan {
@@ -279,7 +279,7 @@ impl PackedChannels<'_> {
         }
         if let Some(own) = self.own(map) {
             let channel = if let Quantity::Component(_, channel) = quantity { channel } else { 0 };
-            return Ok(Origin::Texture(&own.bitmap, channel, own.range));
+            return Ok(Stored::Texture(&own.bitmap, channel, own.range));
         }
         let material = textures.material(&low.material, &low.kept);
         // Of a baked map, all factors are the radiance of white.
@@ -317,8 +317,8 @@ impl PackedChannels<'_> {
         let radiance = Range { black: 0.0, white: f64::from(brightest), unit: "radiance" };
         let range = (map == MapKind::Emission).then_some(radiance);
         match (baked, kept) {
-            (Some(bitmap), _) => Ok(Origin::Texture(bitmap, channel, range)),
-            (None, None) => Ok(Origin::Uniform(code, range)),
+            (Some(bitmap), _) => Ok(Stored::Texture(bitmap, channel, range)),
+            (None, None) => Ok(Stored::Uniform(code, range)),
             (None, Some(_)) => {
                 let why = format!(
                     "{} is not baked: the low-poly mesh keeps its own; add it to the maps",

@@ -96,7 +96,7 @@ impl Asset {
         set.write_files(&files, progress.part(0.8, 1.0))?;
         let mut warnings = match is_alone {
             true => maps_alone::warnings(&self.made),
-            false => notes(&self.made, &packing, &files),
+            false => Warnings::default(),
         };
         warnings.absorb(left_out);
         warnings
@@ -127,7 +127,7 @@ pub(in crate::asset) fn possible_files(
     taotie_io::gltf_files(path, kinds, options.lods.len()).into_iter().chain(separate).collect()
 }
 
-/// Returns all files, the model first.
+/// Returns all files, the model first, with notes on the model.
 fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<EncodedModel> {
     let xmp = provenance::packet(made, packing)?;
     let rights = taotie_io::xmp_rights(&xmp);
@@ -146,6 +146,9 @@ fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<EncodedModel> 
         true => one(made, &about, target)?,
         false => joined(made, &about, target)?,
     };
+    let mut warnings = notes(made, packing, &model.files);
+    warnings.absorb(std::mem::take(&mut model.warnings));
+    model.warnings = warnings;
     for set in &sets {
         for own in set.all() {
             let bytes = taotie_io::encode_png_bitmap(&own.bitmap, encoding_of(&[own.map]))?;
@@ -359,22 +362,12 @@ fn notes(made: &Made, packing: &Packing, files: &[FileBytes]) -> Warnings {
     }
     // The result of a search exceeds its target by at most that.
     let of_metadata = if made.rounding.is_some() { METADATA } else { 0 };
-    let own = files.iter().filter(|file| !is_beside(&file.path, packing));
-    let (of_scan, all) = (made.about.bytes, own.map(|file| file.bytes.len() as u64).sum::<u64>());
+    let (of_scan, all) = (made.about.bytes, files.iter().map(|file| file.bytes.len() as u64).sum::<u64>());
     warnings.note(
         format!("the asset is larger than its scan: {all} bytes instead of {of_scan}; use smaller maps, or pack it"),
         usize::from(of_scan > 0 && all > of_scan + of_metadata),
     );
     warnings
-}
-
-/// Returns `true` for a map that no material shows.
-fn is_beside(path: &Path, packing: &Packing) -> bool {
-    let is_beside = |(_, map): &&(&str, MapKind)| map.is_separate() || *map == MapKind::Normal;
-    let separate = MapKind::NAMES.iter().filter(is_beside).map(|(name, _)| *name);
-    let mut names = separate.chain(packing.channels.iter().map(Channels::name));
-    let file = name_of(path);
-    names.any(|name| file.ends_with(&format!(".{name}.png")))
 }
 
 /// Returns true if the alpha of the base colour texture is written.
