@@ -313,6 +313,9 @@ def bake(
     ray_distance: float | Literal["auto"] = "auto",
     cage: Any = None,
     match: Literal["by-name", "nearest"] = "by-name",
+    new_uvs: bool = False,
+    ray_colors: bool = False,
+    skew: str | os.PathLike[str] = "auto",
     crease_angle: float | None = None,
     scan_green: Literal["auto", "up", "down"] = "auto",
     unit: Unit | None = None,
@@ -376,6 +379,14 @@ def bake(
     match : {"by-name", "nearest"}
         Which objects of the scan an object of the low-poly mesh shows. By name, ``X_low`` shows only ``X_high``, if
         such names exist.
+    new_uvs : bool
+        Ignore the UVs and materials of `low`: it is unwrapped, and gets the scan's materials.
+    ray_colors : bool
+        Multiply ray distances by the red channel of the vertex colours of `low`, linear.
+    skew : "auto", "keep" or path
+        Skew correction. Auto: projection rays follow flat faces, except near their edges, where the scan does, so that
+        relief is not shifted by averaged normals; keep: averaged normals everywhere; or a mask on the UVs of `low`:
+        triangle normals where white. A cage overrides auto.
     crease_angle : float, optional
         As in `load`; defaults to the value that the scan was loaded with.
     scan_green : {"auto", "up", "down"}
@@ -446,7 +457,11 @@ def bake(
         "ao_distance": ao_distance,
         "roughness": roughness,
         "by_name": match == "by-name",
+        "new_uvs": new_uvs,
         "ray_distance": _distance(ray_distance, cage_file),
+        "ray_colors": ray_colors,
+        "straighten": skew != "keep",
+        "skew_mask": None if skew in ("auto", "keep") else os.fspath(skew),
         "inspect": True,
     }
     request = {

@@ -268,7 +268,7 @@ pub fn read_input(scan: &[PathBuf], settings: &AssetSettings, limits: &Limits) -
         others.dedup();
         files.extend(of_model(&[vec![mesh.to_path_buf()], others].concat())?);
     }
-    if let Some(path) = &settings.packing.provenance {
+    for path in settings.bake.skew_mask.iter().chain(&settings.packing.provenance) {
         files.extend(of_model(std::slice::from_ref(path))?);
     }
     Ok(files)

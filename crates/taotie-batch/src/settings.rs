@@ -1,6 +1,7 @@
 //! The settings of an asset.
 
 use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
 use taotie::asset::{BakeOptions, MeshSource, Packing, RayDistance, Requirement, ScanOptions, VerifyOptions};
 use taotie_engine::{Error, Result};
 
@@ -95,20 +96,8 @@ impl Settings {
 
     /// Returns the same settings with paths relative to `folder`.
     #[must_use]
-    pub fn in_folder(mut self, folder: &std::path::Path) -> Self {
-        let AssetSettings { bake, packing, .. } = &mut self.asset;
-        let sources = bake.low.as_mut().into_iter().chain(match &mut bake.ray_distance {
-            RayDistance::Cage(source) => Some(source),
-            _ => None,
-        });
-        for source in sources {
-            if let MeshSource::File(path) = source {
-                *path = folder.join(&path);
-            }
-        }
-        if let Some(path) = &mut packing.provenance {
-            *path = folder.join(&path);
-        }
+    pub fn in_folder(mut self, folder: &Path) -> Self {
+        self.asset.paths_mut().into_iter().for_each(|path| *path = folder.join(&path));
         self
     }
 
@@ -120,34 +109,39 @@ impl Settings {
 
 impl AssetSettings {
     /// Returns the model files named in addition to the scan.
-    pub fn meshes(&self) -> Vec<&std::path::Path> {
+    pub fn meshes(&self) -> Vec<&Path> {
         let cage = match &self.bake.ray_distance {
             RayDistance::Cage(source) => Some(source),
             _ => None,
         };
-        let sources = self.bake.low.iter().chain(cage);
-        sources
-            .filter_map(|source| match source {
-                MeshSource::File(path) => Some(path.as_path()),
-                MeshSource::Mesh(_) => None,
-            })
-            .collect()
+        let files = self.bake.low.iter().chain(cage).filter_map(|source| match source {
+            MeshSource::File(path) => Some(path.as_path()),
+            MeshSource::Mesh(_) => None,
+        });
+        files.collect()
+    }
+
+    /// Returns all paths in the settings.
+    fn paths_mut(&mut self) -> Vec<&mut PathBuf> {
+        let BakeOptions { low, ray_distance, skew_mask, .. } = &mut self.bake;
+        let cage = match ray_distance {
+            RayDistance::Cage(source) => Some(source),
+            _ => None,
+        };
+        let meshes = low.iter_mut().chain(cage).filter_map(|source| match source {
+            MeshSource::File(path) => Some(path),
+            MeshSource::Mesh(_) => None,
+        });
+        meshes.chain(skew_mask).chain(&mut self.packing.provenance).collect()
     }
 
     /// Returns the same settings with file names in place of paths: the location of a collection must not affect the
     /// content addresses.
     #[must_use]
     pub fn with_names(&self) -> Self {
-        let name = |path: &mut std::path::PathBuf| *path = path.file_name().unwrap_or_default().into();
         let mut named = self.clone();
-        if let Some(MeshSource::File(path)) = &mut named.bake.low {
-            name(path);
-        }
-        if let RayDistance::Cage(MeshSource::File(path)) = &mut named.bake.ray_distance {
-            name(path);
-        }
-        if let Some(path) = &mut named.packing.provenance {
-            name(path);
+        for path in named.paths_mut() {
+            *path = path.file_name().unwrap_or_default().into();
         }
         named
     }

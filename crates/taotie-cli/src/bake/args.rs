@@ -42,6 +42,9 @@ pub struct BakeArgs {
     /// each material gets its own maps [default: made from the scan]
     #[arg(long, value_name = "LOW")]
     pub low: Option<PathBuf>,
+    /// Ignore the UVs and materials of --low: a new atlas for a textured model, if it is its own scan
+    #[arg(long, requires = "low", help_heading = "Low-poly mesh")]
+    pub new_uvs: bool,
     #[command(flatten)]
     pub scan: ScanArgs,
 
@@ -127,6 +130,14 @@ pub struct BakeArgs {
     /// and in OBJ by object, if such names exist; nearest ignores names
     #[arg(long = "match", value_enum, default_value_t = Match::ByName, requires = "low", help_heading = "Rays")]
     pub matching: Match,
+    /// Multiply ray distances by the red channel of the low-poly mesh's vertex colours
+    #[arg(long, requires = "low", help_heading = "Rays")]
+    pub ray_colors: bool,
+    /// Skew correction, so that relief on flat faces is not shifted by rays along averaged normals. auto: rays follow flat
+    /// faces, except near their edges, where the scan does; keep: averaged normals everywhere; or a mask on the UVs of
+    /// --low: triangle normals where white [default: auto; keep with --cage]
+    #[arg(long, value_name = "auto|keep|MASK", value_parser = skew, help_heading = "Rays")]
+    pub skew: Option<Skew>,
     /// The low-poly mesh with its vertices moved outward, where projection rays start
     #[arg(long, value_name = "FILE", requires = "low", help_heading = "Rays")]
     pub cage: Option<PathBuf>,
@@ -172,6 +183,17 @@ pub enum Match {
     Nearest,
 }
 
+/// The normals that projection rays follow on flat faces.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Skew {
+    /// Those of the faces, where the scan does.
+    Auto,
+    /// The averaged normals.
+    Keep,
+    /// Those of the triangles, by a mask.
+    Mask(PathBuf),
+}
+
 /// A value, or the program's choice.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Auto<T> {
@@ -203,6 +225,15 @@ fn distance(text: &str) -> Result<Auto<f64>, String> {
         "auto" => Ok(Auto::Auto),
         _ => positive(text).map(Auto::Given),
     }
+}
+
+#[expect(clippy::unnecessary_wraps, reason = "the form of a parser")]
+fn skew(text: &str) -> Result<Skew, String> {
+    Ok(match text {
+        "auto" => Skew::Auto,
+        "keep" => Skew::Keep,
+        path => Skew::Mask(path.into()),
+    })
 }
 
 fn bytes(text: &str) -> Result<u64, String> {

@@ -1,7 +1,7 @@
 //! The request that the options of a bake make: which options work together, the bake and the packing, and the target
 //! of a search, unless triangles, size or packing are given.
 
-use super::args::{Auto, BakeArgs, Images, Match};
+use super::args::{Auto, BakeArgs, Images, Match, Skew};
 use crate::studio::{Green, Space};
 use anyhow::{Result, anyhow, bail};
 use std::path::{Path, PathBuf};
@@ -28,8 +28,7 @@ impl BakeArgs {
         let same = |path: &Path| {
             path.canonicalize().ok().is_some_and(|p| Some(p) == self.output.canonicalize().ok())
         };
-        let mut inputs = [Some(&self.high), self.low.as_ref(), self.cage.as_ref()].into_iter().flatten();
-        if let Some(input) = inputs.find(|input| same(input)) {
+        if let Some(input) = self.inputs().find(|input| same(input)) {
             let (output, input) = (self.output.display(), input.display());
             bail!("{output}: it would overwrite the input {input}; choose another name or folder");
         }
@@ -54,11 +53,33 @@ impl BakeArgs {
         if self.green == Green::Down && (self.space == Space::Object || !turns) {
             bail!("--green down: no normal or bent map is baked in tangent space; bake one, or leave it out");
         }
+        if self.cage.is_some() && self.skew == Some(Skew::Auto) {
+            bail!("--skew auto: rays follow the cage; leave it out, or use a mask");
+        }
         self.check_unread()?;
         self.check_channels()?;
         self.proof.signature().check()?;
         self.options().check()?;
         Ok(self.packing().check()?)
+    }
+
+    /// Returns the files to read.
+    fn inputs(&self) -> impl Iterator<Item = &PathBuf> {
+        let meshes = [Some(&self.high), self.low.as_ref(), self.cage.as_ref()];
+        meshes.into_iter().chain([self.skew_mask(), self.provenance.as_ref()]).flatten()
+    }
+
+    /// Returns the mask of skew correction.
+    fn skew_mask(&self) -> Option<&PathBuf> {
+        match &self.skew {
+            Some(Skew::Mask(path)) => Some(path),
+            _ => None,
+        }
+    }
+
+    /// Returns true if the output stands for a file for each UDIM tile.
+    fn has_tiles(&self) -> bool {
+        self.output.file_name().is_some_and(|name| name.to_string_lossy().contains("<UDIM>"))
     }
 
     /// Returns true if only maps are written, without a model.
@@ -180,8 +201,7 @@ impl BakeArgs {
 
     /// Rejects outputs that cannot be written or that are inputs.
     pub fn claim(&self, files: &FileSet) -> Result<()> {
-        let read = [Some(&self.high), self.low.as_ref(), self.cage.as_ref(), self.provenance.as_ref()];
-        files.protect(read.into_iter().flatten())?;
+        files.protect(self.inputs())?;
         let asset = Baker::new(self.options()).may_write(&self.output, &self.packing());
         asset.iter().try_for_each(|path| files.reserve(path))?;
         files.claim(&self.output)?;
@@ -251,7 +271,12 @@ impl BakeArgs {
             ao_distance: self.ao_distance,
             roughness: self.roughness,
             by_name: self.matching == Match::ByName,
+            new_uvs: self.new_uvs,
+            udim: self.has_tiles(),
             ray_distance: self.ray_distance(),
+            ray_colors: self.ray_colors,
+            straighten: self.skew != Some(Skew::Keep),
+            skew_mask: self.skew_mask().cloned(),
             inspect: !self.no_verify,
             ..BakeOptions::default()
         }

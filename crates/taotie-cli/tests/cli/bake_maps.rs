@@ -4,7 +4,7 @@ use super::bake::document;
 use super::balls::{Ball, LOW, SCAN};
 use super::place::Place;
 use serde_json::{Value, json};
-use taotie_engine::image::Bitmap;
+use taotie_engine::image::{Bitmap, Encoding, Texels};
 use taotie_io::read_bitmap;
 
 /// Returns several balls as one OBJ file, each an object with a material of the same name.
@@ -197,4 +197,154 @@ fn objects_show_their_namesakes_and_nothing_else() {
     let (nearest, report) = strangers("--match nearest");
     assert!(nearest.iter().any(|share| *share > 0.2), "{nearest:?}: they were hard to distinguish");
     assert!(report["origin"]["groups"].is_null());
+}
+
+/// Returns an OBJ file with its uvs moved by whole tiles.
+fn on_tile(obj: &str, [column, row]: [f64; 2]) -> String {
+    let moved = |line: &str| match line.strip_prefix("vt ") {
+        None => format!("{line}\n"),
+        Some(uv) => {
+            let uv: Vec<f64> = uv.split_whitespace().map(|v| v.parse().unwrap()).collect();
+            format!("vt {} {}\n", uv[0] + column, uv[1] + row)
+        }
+    };
+    obj.lines().map(moved).collect()
+}
+
+#[test]
+fn each_udim_tile_gets_the_maps_of_its_triangles() {
+    let apart = |x: f64| Ball { center: [x, 0.0, 0.0], ..LOW };
+    let place = Place::with(
+        "scan.obj",
+        together(&[
+            ("a", Ball { center: [0.0; 3], ..SCAN }),
+            ("b", Ball { center: [6.0, 0.0, 0.0], ..SCAN }),
+        ]),
+    );
+    let [a, b] = [0.0, 6.0].map(|x| together(&[("one", apart(x))]));
+    place.write("a.obj", &a);
+    place.write("b.obj", &b);
+    // Both balls as one file with one material, the second on the tile above and to the right.
+    let vertices = |kind: &str| a.lines().filter(|line| line.starts_with(kind)).count();
+    let counts = ["v ", "vt ", "vn "].map(vertices);
+    let corner = |corner: &str| {
+        let indices = corner.split('/').zip(counts);
+        let moved = indices.map(|(index, count)| match index.parse::<usize>() {
+            Ok(index) => (index + count).to_string(),
+            Err(_) => String::new(),
+        });
+        moved.collect::<Vec<_>>().join("/")
+    };
+    let second: String = on_tile(&b, [1.0, 1.0])
+        .lines()
+        .filter(|line| !line.starts_with("usemtl"))
+        .map(|line| match line.strip_prefix("f ") {
+            Some(face) => {
+                format!("f {}\n", face.split_whitespace().map(corner).collect::<Vec<_>>().join(" "))
+            }
+            None => format!("{line}\n"),
+        })
+        .collect();
+    place.write("both.obj", format!("{a}{second}"));
+
+    let line = "--size 64 --maps normal,height --channels x:R=normal.r,G=height,B=0 --json";
+    let report = place.json(&format!("bake scan.obj --low both.obj -o out.<UDIM>.png {line}"));
+    place.json(&format!("bake scan.obj --low a.obj -o a.png {line}"));
+    place.json(&format!("bake scan.obj --low b.obj -o b.png {line}"));
+    for name in ["png", "x.png"] {
+        assert!(place.read(&format!("out.1001.{name}")) == place.read(&format!("a.{name}")), "{name}");
+    }
+    // Its uvs were rounded on their way to another tile.
+    let [tile, own] = ["out.1012.png", "b.png"].map(|name| picture(&place, name));
+    let different = (0..64 * 64).filter(|i| tile.stored(*i) != own.stored(*i)).count();
+    assert!(different < 64 * 64 / 50, "{different} texels differ");
+    let files: Vec<&str> = report["files"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
+    assert_eq!(files.iter().filter(|file| file.ends_with(".height.png")).count(), 2, "{files:?}");
+    assert!(
+        files.iter().all(|file| file.contains(".1001") || file.contains(".1012") || file.contains("report"))
+    );
+    let missed = report["bake"]["missed_rays"].as_f64();
+    assert!(missed.is_none_or(|missed| missed < 0.01), "{missed:?}");
+
+    // A model has no tiles, and below the first there are none.
+    place.taotie("bake scan.obj --low both.obj -o out.<UDIM>.glb").assert().code(2);
+    place.write("below.obj", on_tile(&a, [0.0, -1.0]));
+    let refused = place.taotie("bake scan.obj --low below.obj -o out.<UDIM>.png").assert().code(2);
+    let stderr = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
+    assert!(stderr.contains("outside all UDIM tiles"), "{stderr}");
+}
+
+#[test]
+fn a_textured_model_gets_a_new_atlas_with_its_appearance() {
+    let place = Place::with(
+        "scan.obj",
+        together(&[
+            ("red", Ball { center: [0.0; 3], ..LOW }),
+            ("green", Ball { center: [6.0, 0.0, 0.0], ..LOW }),
+        ]),
+    );
+    // Its own uvs repeat the texture twice, and both balls overlap.
+    let scan = String::from_utf8(place.read("scan.obj")).unwrap();
+    let doubled = |line: &str| match line.strip_prefix("vt ") {
+        Some(uv) => {
+            let uv: Vec<f64> = uv.split_whitespace().map(|v| v.parse().unwrap()).collect();
+            format!("vt {} {}\n", 2.0 * uv[0], 2.0 * uv[1])
+        }
+        None => format!("{line}\n"),
+    };
+    place.write("scan.obj", format!("mtllib scan.mtl\n{}", scan.lines().map(doubled).collect::<String>()));
+    place.write(
+        "scan.mtl",
+        "newmtl red\nKd 1 0.2 0.2\nmap_Kd paint.png\nnewmtl green\nKd 0.2 1 0.2\nmap_Kd paint.png\n",
+    );
+    let texels = (0..16 * 16).map(|i| if (i / 4 + i / 64) % 2 == 0 { [255; 4] } else { [90, 90, 90, 255] });
+    let paint = Bitmap::new(16, 16, 3, Texels::U8(texels.collect())).unwrap();
+    let bytes = taotie_io::encode_map(&paint, Encoding::Srgb, taotie_io::MapFormat::Png).unwrap();
+    place.write("paint.png", bytes);
+    let report = place.json("bake scan.obj --low scan.obj --new-uvs -o out.glb --size 1024 --json");
+    let level = &report["proof"]["levels"][0];
+    let mean = level["material"]["color"]["mean"].as_f64().expect("colours are compared");
+    let angle = level["surface_angles"]["mean"].as_f64().expect("angles are compared");
+    assert!(mean < 0.5 && angle < 0.3, "ΔE {mean}, {angle}°");
+    assert!(report["origin"]["islands"].as_u64().is_some_and(|islands| islands > 1), "{}", report["origin"]);
+    assert_eq!(document(&place, "out.glb")["materials"].as_array().map(Vec::len), Some(1));
+}
+
+#[test]
+fn a_mask_or_colours_of_vertices_steer_the_rays() {
+    let place = Place::with("scan.obj", SCAN.obj());
+    place.write("low.obj", LOW.obj());
+    for (name, code) in [("black.png", 0), ("white.png", 255)] {
+        let mask = Bitmap::new(2, 2, 1, Texels::U8(vec![[code; 4]; 4])).unwrap();
+        place.write(name, taotie_io::encode_map(&mask, Encoding::Linear, taotie_io::MapFormat::Png).unwrap());
+    }
+    let normals = |skew: &str| {
+        place.json(&format!("bake scan.obj --low low.obj -o out.png --size 64 --maps normal --json {skew}"));
+        place.read("out.png")
+    };
+    let kept = normals("--skew keep");
+    assert!(normals("--skew black.png") == kept, "averaged normals");
+    assert!(normals("--skew white.png") != kept, "normals of triangles");
+    let refused = |options: &str| {
+        let done =
+            place.taotie(&format!("bake scan.obj --low low.obj -o out.png {options}")).assert().code(2);
+        String::from_utf8_lossy(&done.get_output().stderr).into_owned()
+    };
+    assert!(refused("--ray-colors").contains("vertex colours"));
+    assert!(refused("--skew none.png").contains("none.png"));
+
+    // Colours of 1 change nothing; with 0, no ray has any length.
+    let painted = |grey: f64| {
+        let line = |line: &str| match line.starts_with("v ") {
+            true => format!("{line} {grey} {grey} {grey}\n"),
+            false => format!("{line}\n"),
+        };
+        LOW.obj().lines().map(line).collect::<String>()
+    };
+    let plain = normals("");
+    place.write("painted.obj", painted(1.0));
+    place.json("bake scan.obj --low painted.obj --ray-colors -o out.png --size 64 --maps normal --json");
+    assert!(place.read("out.png") == plain);
+    place.write("low.obj", painted(0.0));
+    assert!(refused("--ray-colors").contains("none of its"));
 }

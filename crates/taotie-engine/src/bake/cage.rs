@@ -2,7 +2,9 @@
 
 use super::projection::{Among, Correspondence, ProjectionRay};
 use super::scan::Scan;
+use super::skew::Skew;
 use crate::error::{Error, Result};
+use crate::image::Texture;
 use crate::math::{Vec3, integration};
 use crate::mesh::{Mesh, Point, blend, each, triangle_weights};
 use crate::parallel;
@@ -24,6 +26,8 @@ pub struct Cage {
     longest: f32,
     /// Which objects of the scan each triangle shows; `None` for all.
     groups: Option<Arc<CageGroups>>,
+    /// Where rays follow the normals of triangles instead.
+    skew: Skew,
 }
 
 /// The objects of a scan that each triangle of a low-poly mesh shows: those of the same group.
@@ -39,6 +43,12 @@ impl CageGroups {
     fn among(&self, triangle: u32) -> Option<Among<'_>> {
         let group = (*self.of_triangle.get(triangle as usize)?)?;
         Some(Among { groups: &self.of_object, group })
+    }
+
+    /// Returns those of a mesh of some of the triangles.
+    pub fn of_triangles(&self, which: &[usize]) -> Self {
+        let of_triangle = which.iter().map(|t| self.of_triangle.get(*t).copied().flatten()).collect();
+        Self { of_triangle, of_object: Arc::clone(&self.of_object) }
     }
 
     /// Returns those for a copy of their mesh with other triangles: each has the group of the closest one.
@@ -72,7 +82,7 @@ const FALLBACK: f32 = 4.0;
 impl Cage {
     fn new(directions: Vec<Vec3>, distances: Vec<f32>) -> Self {
         let longest = distances.iter().fold(0.0, |most: f32, v| most.max(*v));
-        Self { directions, distances, longest, groups: None }
+        Self { directions, distances, longest, groups: None, skew: Skew::Kept }
     }
 
     /// Makes each triangle show only the objects of its group.
@@ -92,15 +102,49 @@ impl Cage {
         let directions = directions(low);
         let diagonal = low.diagonal();
         let search = GapSearch { low, directions: &directions, scan, diagonal, groups: groups.as_deref() };
-        let gaps = parallel::collect(low.triangles().len(), |t| search.largest(t));
+        let evidence = parallel::collect(low.triangles().len(), |t| search.examine(t));
         let mut distances = vec![(diagonal * LEAST) as f32; directions.len()];
-        for (triangle, gap) in low.triangles().iter().zip(gaps) {
+        for (triangle, found) in low.triangles().iter().zip(&evidence) {
             for v in triangle {
-                distances[*v as usize] = distances[*v as usize].max(gap * GAPS);
+                distances[*v as usize] = distances[*v as usize].max(found.gap * GAPS);
             }
         }
         surface::shared_by_position(low, &mut distances);
-        Self::new(directions, distances).with_groups(groups)
+        let skew = Skew::of_flat_faces(low, (&directions, &distances), &evidence);
+        Self { skew, ..Self::new(directions, distances).with_groups(groups) }
+    }
+
+    /// Makes the rays on flat faces follow the face, away from its borders, if the scan does: rays along averaged
+    /// normals would shift its relief there. [`Cage::automatic`] already does.
+    #[must_use]
+    pub fn straightened(self, low: &Mesh, scan: &Scan) -> Self {
+        let (diagonal, groups) = (low.diagonal(), self.groups.as_deref());
+        let search = GapSearch { low, directions: &self.directions, scan, diagonal, groups };
+        let evidence = parallel::collect(low.triangles().len(), |t| search.examine(t));
+        let skew = Skew::of_flat_faces(low, (&self.directions, &self.distances), &evidence);
+        Self { skew, ..self }
+    }
+
+    /// Makes rays follow the normals of the mesh's triangles where the red channel of a mask on its first uv set is 1,
+    /// and the averaged normals where it is 0.
+    #[must_use]
+    pub fn straightened_by(self, mask: Arc<Texture>) -> Self {
+        Self { skew: Skew::Mask(mask), ..self }
+    }
+
+    /// Multiplies the ray distance at each vertex by a factor, at least 0; no factors leave it unchanged. A distance of 0
+    /// finds only the closest point of the scan.
+    #[must_use]
+    pub fn scaled(self, factors: &[f32]) -> Self {
+        let mut distances = self.distances;
+        distances.iter_mut().zip(factors).for_each(|(distance, factor)| *distance *= factor);
+        Self { skew: self.skew, ..Self::new(self.directions, distances).with_groups(self.groups) }
+    }
+
+    /// Makes all rays follow the normals averaged at vertices.
+    #[must_use]
+    pub fn skewed(self) -> Self {
+        Self { skew: Skew::Kept, ..self }
     }
 
     /// Makes a cage with the same ray distance everywhere, both ways.
@@ -153,9 +197,10 @@ impl Cage {
     pub fn projection_ray(&self, low: &Mesh, point: Point) -> ProjectionRay<'_> {
         let vertices = point.vertices(low);
         let directions = each(vertices, |v| self.directions[v]);
+        let blended = blend(directions, point.weights).normalize_or(directions[0]);
         ProjectionRay {
             point: point.position(low),
-            direction: blend(directions, point.weights).normalize_or(directions[0]),
+            direction: self.skew.turned(low, point, blended),
             distance: blend(each(vertices, |v| self.distances[v]), point.weights),
             among: self.groups.as_ref().and_then(|groups| groups.among(point.triangle)),
         }
@@ -222,6 +267,38 @@ fn directions(low: &Mesh) -> Vec<Vec3> {
     means.into_iter().zip(around).map(|(mean, around)| mean.normalize_or(around)).collect()
 }
 
+/// How the scan runs along a triangle of a low-poly mesh, by a few of its points.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Evidence {
+    /// The largest distance of the scan, model units.
+    gap: f32,
+    /// 1 − cos of the angles of the scan's normals to the triangle's, times the area that they stand for.
+    off_face: f32,
+    /// The same to the blended directions.
+    off_directions: f32,
+    /// The area that these stand for.
+    area: f32,
+}
+
+impl Evidence {
+    /// Returns that of both.
+    pub fn and(self, o: Self) -> Self {
+        Self {
+            gap: self.gap.max(o.gap),
+            off_face: self.off_face + o.off_face,
+            off_directions: self.off_directions + o.off_directions,
+            area: self.area + o.area,
+        }
+    }
+
+    /// Returns `true` if the scan clearly follows the triangles rather than the blended directions.
+    pub fn is_skewed(&self) -> bool {
+        /// 1 − cos of 3°: less hardly shifts relief.
+        const LEAST: f32 = 0.00137;
+        self.off_directions > LEAST * self.area && self.off_face < 0.5 * self.off_directions
+    }
+}
+
 /// The positions where gaps between a mesh and its scan are measured.
 struct GapSearch<'a> {
     low: &'a Mesh,
@@ -234,32 +311,63 @@ struct GapSearch<'a> {
 }
 
 impl GapSearch<'_> {
-    /// Returns the largest distance of the scan from a triangle, over a few of its points.
-    fn largest(&self, t: usize) -> f32 {
+    /// Searches for the scan from a few points of a triangle.
+    fn examine(&self, t: usize) -> Evidence {
         /// Approximate number of points examined over the whole mesh.
         const POINTS: usize = 60_000;
         let count = (POINTS / self.low.triangles().len()).clamp(2, 64) as u32;
         let points = integration::Sequence::new(t as u32);
-        let gap = |i: u32| {
+        let corners = self.low.corners(t);
+        let [a, b, c] = corners;
+        let area = (b - a).cross(c - a).length() / count as f32;
+        let normal = surface::facet_normal(corners);
+        let mut all = Evidence::default();
+        for i in 0..count {
             let [u, v, ..] = points.four(i, 0);
-            self.gap(Point { triangle: t as u32, weights: triangle_weights(u, v) })
-        };
-        (0..count).filter_map(gap).fold(0.0, f32::max)
+            let point = Point { triangle: t as u32, weights: triangle_weights(u, v) };
+            let start = self.start(point);
+            match self.nearest(&start) {
+                Gap::Along(found) => {
+                    let off = |to: Vec3| (1.0 - found.normal.dot(to)) * area;
+                    let gap = found.height.abs();
+                    let off_face = off(normal.unwrap_or(start.direction));
+                    all = all.and(Evidence { gap, off_face, off_directions: off(start.direction), area });
+                }
+                Gap::Closest(gap) => all.gap = all.gap.max(gap),
+                Gap::None => {}
+            }
+        }
+        all
     }
 
-    /// Returns the distance of the scan from a point: along the direction there, or to the closest point.
-    fn gap(&self, at: Point) -> Option<f32> {
-        let [near, most] = [NEAR, MOST].map(|part| (self.diagonal * part) as f32);
-        let point = at.position(self.low);
+    /// Returns the projection ray through a point, as long as the scan is [`NEAR`].
+    fn start(&self, at: Point) -> ProjectionRay<'_> {
         let directions = at.vertices(self.low).map(|v| self.directions[v]);
-        let direction = blend(directions, at.weights).normalize_or(self.directions[0]);
-        let among = self.groups.and_then(|groups| groups.among(at.triangle));
-        let along = |distance: f32| ProjectionRay { point, direction, distance, among };
-        let height = |distance: f32| self.scan.project(&along(distance)).map(|found| found.height.abs());
-        if let Some(height) = height(near) {
-            return Some(height);
+        ProjectionRay {
+            point: at.position(self.low),
+            direction: blend(directions, at.weights).normalize_or(self.directions[0]),
+            distance: (self.diagonal * NEAR) as f32,
+            among: self.groups.and_then(|groups| groups.among(at.triangle)),
         }
-        let closest = self.scan.distance_to(&along(near), most)?;
-        Some(height((closest * OBLIQUE).max(near)).unwrap_or(closest))
     }
+
+    /// Finds the scan from the start of a ray: along its direction, or the closest point.
+    fn nearest(&self, start: &ProjectionRay<'_>) -> Gap {
+        if let Some(found) = self.scan.project(start) {
+            return Gap::Along(found);
+        }
+        let most = (self.diagonal * MOST) as f32;
+        let Some(closest) = self.scan.distance_to(start, most) else { return Gap::None };
+        let longer = ProjectionRay { distance: (closest * OBLIQUE).max(start.distance), ..*start };
+        self.scan.project(&longer).map_or(Gap::Closest(closest), Gap::Along)
+    }
+}
+
+/// The scan as found from a point of the low-poly mesh.
+enum Gap {
+    /// Along the direction there.
+    Along(Correspondence),
+    /// Only at this distance of its closest point, model units.
+    Closest(f32),
+    None,
 }

@@ -18,6 +18,7 @@ mod projection;
 mod scan;
 mod sights;
 mod simplify;
+mod skew;
 mod sky;
 mod texel_sums;
 mod texel_surface;

@@ -136,7 +136,7 @@ impl Mesh {
     }
 
     /// Returns the arrays of only the vertices `which`, without triangles.
-    pub(crate) fn gathered(&self, which: &[usize]) -> MeshData {
+    pub fn gathered(&self, which: &[usize]) -> MeshData {
         self.data.gathered(which)
     }
 

@@ -4,6 +4,7 @@ use super::connectivity::{Edge, Edges};
 use super::creases::{Corner, Splitter, Spot, sorted_corners};
 use super::normals::{unit, with_normals};
 use crate::error::Result;
+use crate::groups::DisjointSets;
 use crate::math::{Vec3, scalar};
 use crate::mesh::{Mesh, MeshData};
 use crate::parallel;
@@ -132,6 +133,20 @@ impl<'a> Bends<'a> {
     pub fn sharper_than(&self, crease: f64) -> Vec<Edge> {
         let sides = parallel::collect(self.mesh.triangles().len(), |t| self.sides(t, crease));
         self.edges.iter().filter(|edge| sides[edge.triangle].sharp[edge.side]).collect()
+    }
+
+    /// Returns the flat face of each triangle: connected triangles without an angle between neighbours beyond rounding
+    /// errors, identified by the lowest of them. Small angles may add up across a face.
+    pub fn flat_faces(&self) -> Vec<u32> {
+        let mut faces = DisjointSets::new(self.mesh.triangles().len());
+        let flat = self.edges.iter().filter(|edge| self.bend(edge.triangle, edge.other) < FLAT);
+        flat.for_each(|edge| faces.join(edge.triangle as u32, edge.other as u32));
+        faces.into_lowest()
+    }
+
+    /// Returns each edge between two triangles once.
+    pub fn edges(&self) -> impl Iterator<Item = Edge> + '_ {
+        self.edges.iter()
     }
 
     fn sides(&self, triangle: usize, crease: f64) -> Sides {

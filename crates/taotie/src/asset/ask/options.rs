@@ -142,8 +142,21 @@ pub struct BakeOptions {
     /// `true` if objects of `low` named `X_low` show only objects of the scan named `X_high`, with any X. Other objects
     /// show whatever is nearest.
     pub by_name: bool,
+    /// `true` if uvs and materials of `low` are ignored: it is unwrapped, and gets the scan's materials.
+    pub new_uvs: bool,
+    /// `true` if the uvs of `low` are on UDIM tiles, each of which gets its own maps. For standalone maps, whose path
+    /// contains `<UDIM>`.
+    pub udim: bool,
     /// The distance within which the scan is searched for.
     pub ray_distance: RayDistance,
+    /// `true` if ray distances are multiplied by the red channel of the vertex colours of `low`, linear.
+    pub ray_colors: bool,
+    /// `true` if rays on flat faces follow the face, away from its edges, where the scan does; normals averaged at the
+    /// edges would shift its relief there. Without effect on a cage.
+    pub straighten: bool,
+    /// The image file of a mask on the uvs of `low` that replaces `straighten`: rays follow the normals of triangles
+    /// where its red channel is 1, and averaged normals where it is 0.
+    pub skew_mask: Option<PathBuf>,
     /// `true` if the scan is checked for faults: open edges, duplicate triangles.
     pub inspect: bool,
 }
@@ -173,7 +186,12 @@ impl Default for BakeOptions {
             ao_distance: None,
             roughness: None,
             by_name: true,
+            new_uvs: false,
+            udim: false,
             ray_distance: RayDistance::Auto,
+            ray_colors: false,
+            straighten: true,
+            skew_mask: None,
             inspect: true,
         }
     }
@@ -229,6 +247,14 @@ impl BakeOptions {
             {
                 wrong(self.maps_in_words(), "use 16 to 16384 texels")
             }
+            Self { new_uvs: true, keep_uvs: true, .. } => wrong("standalone maps".into(), NEEDS_UVS),
+            Self { low: None, .. } if self.names_low() => {
+                wrong("options of a low-poly mesh".into(), "there is none; give one, or omit them")
+            }
+            Self { udim: true, keep_uvs: false, .. } => {
+                wrong("UDIM tiles".into(), "no model format stores them; write standalone maps")
+            }
+            Self { new_uvs: true, .. } if !self.is_square() => wrong(self.maps_in_words(), SQUARE),
             Self { low: None, keep_uvs: true, .. } => wrong("standalone maps".into(), NEEDS_UVS),
             Self { low: None, .. } if !self.is_square() => wrong(self.maps_in_words(), SQUARE),
             Self { maps, .. } if maps.is_empty() => wrong("no maps".into(), "name at least one to bake"),
@@ -252,6 +278,11 @@ impl BakeOptions {
             }
             _ => Ok(()),
         }
+    }
+
+    /// Returns `true` if an option concerns a given low-poly mesh.
+    fn names_low(&self) -> bool {
+        self.new_uvs || self.ray_colors || self.skew_mask.is_some()
     }
 
     fn check_levels(&self) -> Result<()> {

@@ -9,7 +9,7 @@ use crate::asset::ask::{BakeOptions, Lod};
 use crate::asset::bake::{
     Coarser, LevelLook, MadeAsset, Recipe, Rounding, StoredMaps, assign_object_map, bake_maps,
 };
-use crate::asset::source::{KeptTextures, LowPoly, Pair, Rays, Scan, low_poly};
+use crate::asset::source::{KeptTextures, LowPoly, Pair, RayLength, Rays, Scan, low_poly};
 use std::borrow::Cow;
 use std::sync::Arc;
 use taotie_engine::bake::{self, MapKind};
@@ -396,13 +396,15 @@ impl<'a> LevelMaker<'a> {
         let mesh = on_uvs(&low.mesh, count, progress)?;
         let (origin, material) = (low.origin.clone(), low.material.clone());
         let groups = low.groups.as_ref().map(|groups| Arc::new(groups.carried_over(&low.mesh, &mesh)));
-        let level = LowPoly { mesh, origin, material, kept: KeptTextures::default(), own: None, groups };
+        let (kept, ray_factors) = (KeptTextures::default(), Vec::new());
+        let level = LowPoly { mesh, origin, material, kept, own: None, groups, ray_factors };
         let options = BakeOptions { maps: vec![MapKind::Normal], ..self.recipe.options.clone() };
-        let rays = match self.recipe.rays {
-            Rays::Uniform(distance) => Rays::Uniform(*distance),
+        let length = match self.recipe.rays.length {
+            RayLength::Uniform(distance) => RayLength::Uniform(distance),
             // A cage has different vertices.
-            Rays::Auto | Rays::Cage(_) => Rays::Auto,
+            RayLength::Auto | RayLength::Cage(_) => RayLength::Auto,
         };
+        let rays = Rays { length, skew: self.recipe.rays.skew.clone() };
         let size = options.map_size().map(|side| (side >> number.min(16)).next_multiple_of(4).max(16));
         let recipe = Recipe { options: &options, rays: &rays };
         let maps = bake_maps(recipe, size, Pair { scan: self.scan, low: &level }, progress)?;

@@ -323,7 +323,7 @@ mod tests {
     use super::*;
     use crate::asset::ask::BakeOptions;
     use crate::asset::bake::BakePlan;
-    use crate::asset::source::Rays;
+    use crate::asset::source::{RayLength, Rays, Skew};
     use taotie_engine::math::Vec3;
     use taotie_engine::math::scalar::sin;
     use taotie_engine::mesh::{Mesh, MeshData};
@@ -398,7 +398,8 @@ mod tests {
         let goal = vec![Requirement::mean_angle_deg(1.0)];
         let asked = BakeOptions { goal: Some(goal.clone()), ..BakeOptions::default() };
         let options = BakePlan::of(&asked.sized(scan.about.size), &scan.about.carried, &[]).options;
-        let recipe = Recipe { options: &options, rays: &Rays::Auto };
+        let rays = Rays { length: RayLength::Auto, skew: Skew::Corrected };
+        let recipe = Recipe { options: &options, rays: &rays };
         let found = smallest(recipe, (scan, Level::FINEST), Progress::SILENT)?;
         let chosen = *found.trials.iter().find(|trial| trial.is_chosen).expect("one is chosen");
         let side = Side::of(scan.sorted());

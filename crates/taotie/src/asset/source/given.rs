@@ -4,14 +4,18 @@
 use super::low_file::{self, Document, Read, shown_materials};
 use super::low_material::{LowLook, Stripped, note_samplers};
 use super::low_poly::{
-    CageMesh, Groups, KeptMaterial, KeptTextures, LowPoly, Origin, Rays, framed, unwrapped,
+    CageMesh, Groups, KeptMaterial, KeptTextures, LowPoly, Origin, RayLength, Rays, Skew, Tile, framed,
+    unwrapped,
 };
 use super::scan::Scan;
 use crate::asset::ask::{BakeOptions, MeshSource, NEEDS_UVS, RayDistance, SQUARE};
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::Arc;
 use taotie_engine::bake::{self, CageGroups, MapKind};
 use taotie_engine::error::{Error, Result, Warnings};
+use taotie_engine::image::{Encoding, Texture};
+use taotie_engine::math::Vec2;
 use taotie_engine::mesh::{Mesh, MeshData};
 use taotie_engine::progress::Progress;
 use taotie_engine::scene::{AlphaMode, Instance, Material, Scene};
@@ -44,7 +48,10 @@ impl Inputs {
         let given = match &options.low {
             Some(source) => {
                 let reading = progress.begin("read the low-poly mesh")?;
-                let read = reader.read(source)?;
+                let mut read = reader.read(source)?;
+                if options.new_uvs {
+                    read.without_uvs()?;
+                }
                 let groups = match options.by_name {
                     true => Groups::matched(&read.objects, &scan.about.objects, &mut reader.warnings),
                     false => None,
@@ -55,8 +62,8 @@ impl Inputs {
             }
             None => None,
         };
-        let rays = reader.rays(&options.ray_distance)?;
-        if let (Some(given), Rays::Cage(cage)) = (&given, &rays) {
+        let rays = Rays { length: reader.lengths(&options.ray_distance)?, skew: reader.skew(options)? };
+        if let (Some(given), RayLength::Cage(cage)) = (&given, &rays.length) {
             cage.check(given.triangle_count())?;
         }
         let Reader { files, warnings, .. } = reader;
@@ -71,15 +78,24 @@ impl Reader<'_> {
         Ok(read)
     }
 
-    fn rays(&mut self, distance: &RayDistance) -> Result<Rays> {
+    fn lengths(&mut self, distance: &RayDistance) -> Result<RayLength> {
         Ok(match distance {
-            RayDistance::Auto => Rays::Auto,
-            RayDistance::Uniform(distance) => Rays::Uniform(*distance),
+            RayDistance::Auto => RayLength::Auto,
+            RayDistance::Uniform(distance) => RayLength::Uniform(*distance),
             RayDistance::Cage(source) => {
                 let mesh = bake::low_poly_mesh(self.read(source)?.scene)?;
-                Rays::Cage(CageMesh { mesh, source: source.clone() })
+                RayLength::Cage(CageMesh { mesh, source: source.clone() })
             }
         })
+    }
+
+    fn skew(&mut self, options: &BakeOptions) -> Result<Skew> {
+        let Some(path) = &options.skew_mask else {
+            return Ok(if options.straighten { Skew::Corrected } else { Skew::Kept });
+        };
+        let mask = taotie_io::read_bitmap_within(path, &self.scan.limits)?;
+        self.files.push(path.clone());
+        Ok(Skew::Mask(Arc::new(Texture::new(mask, Encoding::Linear))))
     }
 }
 
@@ -154,7 +170,8 @@ impl GivenMesh {
         let part = |(number, label): (usize, String)| {
             let material = scene.materials()[number].clone();
             let triangles = triangles.remove(&number).unwrap_or_default();
-            let own = KeptMaterial { number, label, said: material.clone(), drops_colors: false, triangles };
+            let said = material.clone();
+            let own = KeptMaterial { number, label, said, triangles, ..KeptMaterial::default() };
             GivenPart { material, stripped: Stripped::default(), own: Some(own) }
         };
         let parts: Vec<GivenPart> = labels.into_iter().map(part).collect();
@@ -226,7 +243,120 @@ impl GivenMesh {
         let taken = parts.into_iter().zip(scenes).map(|(part, scene)| part.taken(scene, options, warnings));
         let mut taken: Vec<Taken> = taken.collect::<Result<_>>()?;
         taken.iter_mut().zip(groups.drain(..)).for_each(|(taken, groups)| taken.groups = groups);
-        Ok(taken)
+        if options.udim { tiled(taken, warnings) } else { Ok(taken) }
+    }
+}
+
+/// Splits each mesh by the UDIM tiles of its uvs, which are moved into the first. A triangle belongs to the tile of its
+/// centre.
+///
+/// # Errors
+/// [`Error::Invalid`] for uvs left of or below the first tile, or beyond ten columns or 900 rows.
+fn tiled(all: Vec<Taken>, warnings: &mut Warnings) -> Result<Vec<Taken>> {
+    let mut tiles = Vec::new();
+    for taken in all {
+        let Some(uvs) = taken.mesh.uvs().first() else {
+            return Err(Error::invalid("UDIM tiles", NEEDS_UVS));
+        };
+        let tile_of = |triangle: &[u32; 3]| {
+            let [a, b, c] = triangle.map(|v| uvs[v as usize]);
+            Place::of([(a.x + b.x + c.x) / 3.0, (a.y + b.y + c.y) / 3.0])
+        };
+        let places: Vec<Option<Place>> = taken.mesh.triangles().iter().map(tile_of).collect();
+        let outside = places.iter().filter(|place| place.is_none()).count();
+        if outside > 0 {
+            let what = format!("{outside} triangles of the low-poly mesh");
+            return Err(Error::invalid(
+                what,
+                "their uvs are outside all UDIM tiles: 1001 is the first, from 0 to 1",
+            ));
+        }
+        let places: Vec<Place> = places.into_iter().flatten().collect();
+        let crossing = taken.mesh.triangles().iter().zip(&places);
+        let crossing =
+            crossing.filter(|(triangle, place)| triangle.iter().any(|v| !place.holds(uvs[*v as usize])));
+        warnings.note(
+            "triangles of the low-poly mesh cross borders of UDIM tiles: each is baked into the tile of its centre",
+            crossing.count(),
+        );
+        for place in places.iter().copied().collect::<BTreeSet<Place>>() {
+            let number = tiles.len();
+            tiles.push(taken.in_tile(&places, (place, number))?);
+        }
+    }
+    Ok(tiles)
+}
+
+/// The column and row of a UDIM tile, from the bottom left.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Place {
+    row: u16,
+    column: u16,
+}
+
+impl Place {
+    /// Returns the tile at a uv; `None` outside all.
+    fn of([u, v]: [f32; 2]) -> Option<Self> {
+        let (column, row) = (u.floor(), (1.0 - v).floor());
+        let is_inside = (0.0..10.0).contains(&column) && (0.0..900.0).contains(&row);
+        is_inside.then_some(Self { row: row as u16, column: column as u16 })
+    }
+
+    /// Returns the uv in the first tile.
+    fn moved(self, uv: Vec2) -> Vec2 {
+        Vec2::new(uv.x - f32::from(self.column), uv.y + f32::from(self.row))
+    }
+
+    /// Returns `true` if a uv is in the tile, or on its border.
+    fn holds(self, uv: Vec2) -> bool {
+        /// The rounding of uvs by other programs.
+        const ROUNDING: f32 = 1e-4;
+        let inside = |v: f32| (-ROUNDING..=1.0 + ROUNDING).contains(&v);
+        let uv = self.moved(uv);
+        inside(uv.x) && inside(uv.y)
+    }
+
+    fn number(self) -> u32 {
+        1001 + u32::from(self.column) + 10 * u32::from(self.row)
+    }
+}
+
+impl Taken {
+    /// Returns the triangles in a tile as a part with this number.
+    fn in_tile(&self, places: &[Place], (place, number): (Place, usize)) -> Result<Self> {
+        let (data, mut indices) = (&self.mesh, BTreeMap::new());
+        let own: Vec<usize> = (0..places.len()).filter(|t| places[*t] == place).collect();
+        let mut which = Vec::new();
+        let mut vertex = |v: u32| {
+            *indices.entry(v).or_insert_with(|| {
+                which.push(v as usize);
+                which.len() as u32 - 1
+            })
+        };
+        let triangles: Vec<[u32; 3]> = own.iter().map(|t| data.triangles()[*t].map(&mut vertex)).collect();
+        let mut mesh = MeshData { triangles, ..data.gathered(&which) };
+        mesh.uvs[0].iter_mut().for_each(|uv| *uv = place.moved(*uv));
+        let of_file: Vec<usize> = match &self.own {
+            Some(whole) => whole.triangles.iter().cloned().flatten().collect(),
+            None => (0..places.len()).collect(),
+        };
+        let kept = self
+            .own
+            .clone()
+            .unwrap_or_else(|| KeptMaterial { said: self.material.clone(), ..Default::default() });
+        let (tile, material) = (place.number(), kept.label.clone());
+        let label = if material.is_empty() { tile.to_string() } else { format!("{material}_{tile}") };
+        let triangles = own.iter().map(|t| of_file[*t]..of_file[*t] + 1).collect();
+        let tile = Some(Tile { number: tile, material });
+        let groups = self.groups.as_ref().map(|(groups, names)| (groups.of_triangles(&own), names.clone()));
+        let own = Some(KeptMaterial { number, label, triangles, tile, ..kept });
+        Ok(Self {
+            mesh: Mesh::new(mesh)?,
+            material: self.material.clone(),
+            kept: self.kept.clone(),
+            own,
+            groups,
+        })
     }
 }
 
@@ -243,7 +373,6 @@ impl GivenPart {
             leave_alpha(&mut material, options, warnings);
             let mesh = bake::framed_low_poly_mesh(scene)?;
             let drops_colors = !mesh.colors().is_empty() && options.bakes(&[MapKind::Albedo]);
-            let mesh = uncolored(mesh, options, warnings)?;
             return Ok(Taken {
                 mesh,
                 material,
@@ -257,7 +386,7 @@ impl GivenPart {
         note_samplers(&material, &scene, options, warnings);
         leave_relief(&material, options, warnings);
         leave_alpha(&mut material, options, warnings);
-        let mesh = uncolored(joined(scene, options)?, options, warnings)?;
+        let mesh = joined(scene, options)?;
         Ok(Taken { mesh, material, kept, own: None, groups: None })
     }
 }
@@ -318,8 +447,20 @@ impl LowPoly {
         };
         note_uvs(&mesh, warnings);
         let groups = groups.map(Arc::new);
-        Ok(Self { mesh: framed(&mesh, progress)?, origin, material, kept, own, groups })
+        let mesh = framed(&mesh, progress)?;
+        let ray_factors = if options.ray_colors { ray_factors(&mesh)? } else { Vec::new() };
+        let mesh = uncolored(mesh, options, warnings)?;
+        Ok(Self { mesh, origin, material, kept, own, groups, ray_factors })
     }
+}
+
+/// Returns the red channels of the mesh's vertex colours.
+fn ray_factors(mesh: &Mesh) -> Result<Vec<f32>> {
+    if mesh.colors().is_empty() {
+        let why = "the low-poly mesh has none; paint them, or omit the option";
+        return Err(Error::invalid("ray distances from vertex colours", why));
+    }
+    Ok(mesh.colors().iter().map(|color| color[0].max(0.0)).collect())
 }
 
 fn note_uvs(mesh: &Mesh, warnings: &mut Warnings) {
@@ -372,7 +513,7 @@ mod tests {
         let inputs = Inputs::read(&options, &scan, Progress::SILENT).unwrap();
         let names: Vec<_> = inputs.files.iter().filter_map(|file| file.file_name()?.to_str()).collect();
         assert_eq!(names, ["low.gltf", "low.bin", "cage.gltf", "cage.bin"]);
-        assert!(inputs.given.is_some() && matches!(inputs.rays, Rays::Cage(_)));
+        assert!(inputs.given.is_some() && matches!(inputs.rays.length, RayLength::Cage(_)));
         let none = Inputs::read(&BakeOptions::default(), &scan, Progress::SILENT).unwrap();
         assert!(none.given.is_none() && none.files.is_empty());
     }

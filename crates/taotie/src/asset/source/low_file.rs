@@ -14,7 +14,7 @@ use taotie_engine::bake::MapKind;
 use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::length::Unit;
 use taotie_engine::math::{Mat4, Vec3};
-use taotie_engine::mesh::Mesh;
+use taotie_engine::mesh::{Mesh, MeshData};
 use taotie_engine::names::Named;
 use taotie_engine::scene::{Material, NormalSpace, Scene};
 use taotie_engine::surface::with_normals;
@@ -39,6 +39,21 @@ pub(super) struct Read {
     pub limits: Limits,
     /// All files that it was read from, the mesh file first; empty in memory.
     pub files: Vec<PathBuf>,
+}
+
+impl Read {
+    /// Removes uvs and tangents, and materials, whose textures need them.
+    pub fn without_uvs(&mut self) -> Result<()> {
+        let mut data = std::mem::take(&mut self.scene).into_data();
+        for mesh in &mut data.meshes {
+            let bare = MeshData { uvs: Vec::new(), tangents: Vec::new(), ..std::mem::take(mesh).into_data() };
+            *mesh = Mesh::new(bare)?;
+        }
+        data.textures.clear();
+        data.materials.fill(Material::default());
+        self.scene = Scene::new(data)?;
+        Ok(())
+    }
 }
 
 /// Reads a given mesh into the scan's space. glTF is in metres unless its size shows that it is in the scan's unit,
@@ -415,7 +430,6 @@ fn word(name: &str) -> String {
 mod tests {
     use super::*;
     use crate::asset::ask::Lod;
-    use taotie_engine::mesh::MeshData;
     use taotie_engine::scene::{Instance, SceneData};
 
     #[test]

@@ -11,7 +11,7 @@ use taotie_engine::bake::{
     self, CageGroups, MapKind, Shells, Simplified, SimplifyMethod, SimplifyOptions, UnwrapOptions,
 };
 use taotie_engine::error::{Error, Result, Warnings};
-use taotie_engine::image::Bitmap;
+use taotie_engine::image::{Bitmap, Texture};
 use taotie_engine::mesh::{Mesh, MeshData, RELIEF_OF_VERTICES};
 use taotie_engine::progress::Progress;
 use taotie_engine::scene::{AlphaMode, Material};
@@ -29,6 +29,8 @@ pub(in crate::asset) struct LowPoly {
     pub own: Option<KeptMaterial>,
     /// The objects of the scan that its triangles show; `None` for all.
     pub groups: Option<Arc<CageGroups>>,
+    /// The factor of the ray distance at each vertex, from its colour; empty for 1.
+    pub ray_factors: Vec<f32>,
 }
 
 /// The origin of a low-poly mesh.
@@ -94,10 +96,21 @@ pub(in crate::asset) struct KeptMaterial {
     pub drops_colors: bool,
     /// Its triangles among all that the file shows.
     pub triangles: Vec<Range<usize>>,
+    /// The tile of its maps, if they are a set of UDIM tiles.
+    pub tile: Option<Tile>,
+}
+
+/// A UDIM tile of a material.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(in crate::asset) struct Tile {
+    /// 1001 + column + 10 · row, counted from the bottom left.
+    pub number: u32,
+    /// The label of the material without the tile.
+    pub material: String,
 }
 
 /// Textures of a low-poly mesh's material that are kept unless something is baked in their place.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(in crate::asset) struct KeptTextures {
     pub color: Option<Bitmap>,
     pub metallic_roughness: Option<Bitmap>,
@@ -132,13 +145,15 @@ impl LowPoly {
             kept: KeptTextures::default(),
             own: None,
             groups: None,
+            ray_factors: Vec::new(),
         }
     }
 
     /// Takes the triangles of a packed scan.
     pub fn packed(mesh: Mesh) -> Self {
         let (origin, material) = (Origin { is_scan: true, ..Origin::default() }, Material::default());
-        Self { mesh, origin, material, kept: KeptTextures::default(), own: None, groups: None }
+        let (kept, ray_factors) = (KeptTextures::default(), Vec::new());
+        Self { mesh, origin, material, kept, own: None, groups: None, ray_factors }
     }
 
     /// Returns the mesh from which the scan is searched for: without its normals if they were fitted, since those of
@@ -163,9 +178,19 @@ impl LowPoly {
         }
     }
 
-    /// Returns a label that distinguishes its material from others of the asset; empty if it is the only one.
+    /// Returns a label that distinguishes its material, and tile, from others of the asset; empty if it is the only one.
     pub fn label(&self) -> &str {
         self.own.as_ref().map_or("", |own| &own.label)
+    }
+
+    /// Returns the UDIM tile of its maps.
+    pub fn tile(&self) -> Option<&Tile> {
+        self.own.as_ref()?.tile.as_ref()
+    }
+
+    /// Returns the label of its material in file names, which state the tile separately.
+    pub fn file_label(&self) -> &str {
+        self.tile().map_or(self.label(), |tile| &tile.material)
     }
 }
 
@@ -263,8 +288,25 @@ pub(super) fn framed(mesh: &Mesh, progress: Progress<'_>) -> Result<Mesh> {
     Ok(with_frames(mesh, 0, None)?.0.into_owned())
 }
 
-/// The lengths of projection rays, with the cage from the options.
-pub(in crate::asset) enum Rays {
+/// The projection rays, with the files that the options name.
+pub(in crate::asset) struct Rays {
+    pub length: RayLength,
+    pub skew: Skew,
+}
+
+/// The normals that rays follow on flat faces.
+#[derive(Clone)]
+pub(in crate::asset) enum Skew {
+    /// Those of the faces, away from their edges, if the scan does.
+    Corrected,
+    /// The normals averaged at the vertices.
+    Kept,
+    /// Those of the triangles where this mask is white.
+    Mask(Arc<Texture>),
+}
+
+/// The lengths of projection rays.
+pub(in crate::asset) enum RayLength {
     /// By the measured gap between the meshes.
     Auto,
     /// One length, model units.

@@ -197,7 +197,7 @@ fn bits(sources: &[Source<'_>]) -> u8 {
 impl PackedChannels<'_> {
     /// Returns its name with that of its material, if there are several.
     pub fn name(&self) -> String {
-        labeled(self.part.low.label(), self.channels.name())
+        labeled(self.part.low.file_label(), self.channels.name())
     }
 
     /// Returns the texture, with as many bits as the deepest of its maps.

@@ -38,10 +38,23 @@ struct MapFile<'a> {
     path: PathBuf,
 }
 
+/// The part of a path that the number of a UDIM tile replaces.
+const UDIM: &str = "<UDIM>";
+
+/// Returns the path of a part's first map, for its UDIM tile.
+fn placed(part: &Part, path: &Path) -> PathBuf {
+    match part.low.tile() {
+        Some(tile) => path.with_file_name(name_of(path).replace(UDIM, &tile.number.to_string())),
+        None => path.into(),
+    }
+}
+
 /// Returns the textures of a material. The first is in `path` itself, the others in files next to it: `out.png`,
 /// `out.ao.png`. If there are several materials, the names contain their labels: `out.wood.png`, `out.wood.ao.png`.
+/// Those of UDIM tiles state the tile: `out.1001.png`, `out.1001.ao.png`.
 fn files<'a>(part: &'a Part, path: &Path) -> Vec<MapFile<'a>> {
-    let (label, textures) = (part.low.label(), &part.maps.textures);
+    let (label, name, textures) = (part.low.label(), part.low.file_label(), &part.maps.textures);
+    let path = &placed(part, path);
     let mut files: Vec<MapFile<'a>> = Vec::new();
     for (map, bitmap) in textures.inside() {
         match files.iter_mut().find(|file| std::ptr::eq(file.bitmap, bitmap)) {
@@ -61,10 +74,10 @@ fn files<'a>(part: &'a Part, path: &Path) -> Vec<MapFile<'a>> {
     files.extend(textures.separate.iter().map(other));
     for (i, file) in files.iter_mut().enumerate() {
         file.label = label;
-        file.path = match (i, label) {
+        file.path = match (i, name) {
             (0, "") => path.into(),
-            (0, label) => sibling(path, label),
-            _ => sibling(path, &labeled(label, file.name())),
+            (0, name) => sibling(path, name),
+            _ => sibling(path, &labeled(name, file.name())),
         };
         if file.holds(&[MapKind::Emission]) {
             let white = f64::from(textures.strength);
@@ -160,7 +173,7 @@ pub(super) fn notes(made: &Made, path: &Path, packing: &Packing) -> Vec<MapNote>
         for channels in &packing.channels {
             let packed = PackedChannels { part, channels, turned: &[] };
             // They were written, so no map is missing.
-            notes.extend(packed.notes(&sibling(path, &packed.name())).unwrap_or_default());
+            notes.extend(packed.notes(&sibling(&placed(part, path), &packed.name())).unwrap_or_default());
         }
         notes
     };
@@ -184,7 +197,7 @@ pub(super) fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec
         }
         for channels in &packing.channels {
             let packed = PackedChannels { part, channels, turned: &turned };
-            let (bitmap, path) = (packed.bitmap()?, sibling(path, &packed.name()));
+            let (bitmap, path) = (packed.bitmap()?, sibling(&placed(part, path), &packed.name()));
             // Its codes have different meanings.
             let file = MapFile { path, ..MapFile::new(MapKind::Roughness, &bitmap) };
             let bytes = file.encoded(&bitmap)?;

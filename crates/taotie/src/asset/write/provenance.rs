@@ -6,7 +6,7 @@ use crate::asset::bake::Made;
 use crate::asset::source::{ScanOptions, is_gltf};
 use serde_json::Value;
 use std::fmt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use taotie_engine::bake::MapKind;
 use taotie_engine::error::Result;
 use taotie_engine::length::Unit;
@@ -63,6 +63,18 @@ struct Fields<'a> {
     /// `false` if names of objects were ignored; `None` if not.
     #[serde(skip_serializing_if = "Option::is_none")]
     by_name: Option<bool>,
+    /// `true` if the low-poly mesh was unwrapped again; `None` if not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    new_uvs: Option<bool>,
+    /// `true` if its uvs are on UDIM tiles; `None` if not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    udim: Option<bool>,
+    /// `true` if vertex colours scaled ray distances; `None` if not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ray_colors: Option<bool>,
+    /// `keep`, or the name of the mask of skew correction; `None` for the default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    skew: Option<String>,
     /// The name of the cage's file; `None` without a cage.
     cage: Option<String>,
     /// The formats of the textures, as for `--images`.
@@ -191,6 +203,10 @@ impl Parameters {
             roughness: options.roughness,
             ray_distance: auto(distance),
             by_name: (!options.by_name).then_some(false),
+            new_uvs: options.new_uvs.then_some(true),
+            udim: options.udim.then_some(true),
+            ray_colors: options.ray_colors.then_some(true),
+            skew: skew(options),
             cage: cage.and_then(MeshSource::name),
             images: packing.images.to_string(),
             image_formats: options.images.iter().map(|kind| kind.name()).collect(),
@@ -236,6 +252,13 @@ impl Parameters {
         self.0["low"] = options.low.as_ref().and_then(MeshSource::name).into();
         self
     }
+}
+
+/// Returns how skew correction differs from the default, as for `--skew`; a mask by its name without folders.
+fn skew(options: &BakeOptions) -> Option<String> {
+    let name = |path: &PathBuf| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let mask = options.skew_mask.as_ref().map(name);
+    mask.or((!options.straighten).then(|| "keep".into()))
 }
 
 /// Returns the XMP metadata of the scan, merged with that of the packing and extended by the record of the bake.
