@@ -198,7 +198,7 @@ class Asset:
         Parameters
         ----------
         path : str or path
-            ``.glb``, or ``.gltf`` with its files next to it; ``.png``, ``.tiff``, ``.exr``, ``.tga`` or
+            ``.glb``, or ``.gltf`` with its files next to it; ``.png``, ``.tiff``, ``.exr``, ``.tga``, ``.dds`` or
             ``.webp`` for standalone maps.
         images : str
             Texture format: ``"png"``, ``"webp"`` (lossless), ``"ktx2"``, or lossy for colours: ``"webp:85"``,

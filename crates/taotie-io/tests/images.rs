@@ -179,6 +179,55 @@ fn maps_come_back_in_every_format() {
     }
 }
 
+/// Writes smooth pictures in the block formats of GPUs, whose sizes are no multiples of 4, and reads them back.
+#[test]
+fn dds_is_close_to_the_picture_it_was_made_from() {
+    let (width, height) = (38u32, 21u32);
+    let wave = |i: u32, scale: f64| {
+        let (x, y) = (f64::from(i % width), f64::from(i / width));
+        127.5 + 100.0 * (libm::sin(x * scale) * libm::cos(y * scale * 0.7))
+    };
+    let plain = |i: u32| [0.11, 0.17, 0.23, 0.05].map(|scale| wave(i, scale) as u8);
+    let normal = |i: u32| {
+        let [x, y] = [0.11, 0.17].map(|scale| (wave(i, scale) / 127.5 - 1.0) * 0.8);
+        let z = libm::sqrt(1.0 - x * x - y * y);
+        let [r, g, b] = [x, y, z].map(|v| ((v + 1.0) * 127.5 + 0.5) as u8);
+        [r, g, b, 255]
+    };
+    let texels = |channels: u8, encoding: Encoding| {
+        let texel = |i: u32| match (channels, plain(i)) {
+            _ if encoding == Encoding::Normal => normal(i),
+            (1, [v, ..]) => [v, v, v, 255],
+            (3, [r, g, b, _]) => [r, g, b, 255],
+            (_, texel) => texel,
+        };
+        Texels::U8((0..width * height).map(texel).collect())
+    };
+    // The mean difference in codes, and bytes per texel of the finest level.
+    for (channels, encoding, most, blocks) in [
+        (1, Encoding::Linear, 0.6, 8),
+        (3, Encoding::Normal, 0.5, 16),
+        (3, Encoding::Srgb, 1.3, 16),
+        (4, Encoding::Linear, 2.0, 16),
+    ] {
+        let bitmap = Bitmap::new(width, height, channels, texels(channels, encoding)).unwrap();
+        let bytes = encode_map(&bitmap, encoding, MapFormat::Dds).unwrap();
+        let read = decode_bitmap(&bytes, "a.dds", Path::new("a.dds")).unwrap();
+        assert_eq!((read.width(), read.height()), (width, height));
+        let [own, read] = [&bitmap, &read].map(as_u8);
+        let off = own.iter().zip(&read).map(|(a, b)| f64::from(a.abs_diff(*b))).sum::<f64>();
+        let mean = off / own.len() as f64;
+        assert!(mean < most, "{channels} channels as {encoding:?}: {mean}");
+        // 38 × 21, 19 × 10, 9 × 5, 4 × 2, 2 × 1 and 1 × 1 texels.
+        assert_eq!(bytes.len(), 148 + blocks * (60 + 15 + 6 + 1 + 1 + 1));
+        for end in [4, 100, 147, 148, 148 + blocks * 59] {
+            assert!(decode_bitmap(&bytes[..end], "a.dds", Path::new("a.dds")).is_err(), "{end}");
+        }
+    }
+    let deep = Bitmap::new(1, 1, 1, Texels::U16(vec![[1; 4]])).unwrap();
+    assert!(encode_map(&deep, Encoding::Linear, MapFormat::Dds).unwrap_err().to_string().contains("16 bits"));
+}
+
 #[cfg(feature = "webp")]
 #[test]
 fn lossless_webp_is_the_picture_it_was_made_from() {

@@ -34,8 +34,9 @@ state its normal error in degrees, its shape error, and where they occur.";
 pub struct BakeArgs {
     /// The high-poly scan (.gltf, .glb, .obj, .ply, .stl)
     pub high: PathBuf,
-    /// The asset to write: .glb, or .gltf with its files next to it. A .png, .tiff, .exr, .tga or .webp gets only the maps, for a
-    /// --low with UVs: the first (by default the normal map) in OUT, the others next to it, such as OUT.ao.png
+    /// The asset to write: .glb, or .gltf with its files next to it. A .png, .tiff, .exr, .tga, .dds or .webp gets only the maps, for a
+    /// --low with UVs: the first (by default the normal map) in OUT, the others next to it, such as OUT.ao.png.
+    /// OUT.<UDIM>.png gets a set of maps for each UDIM tile
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
     /// The low-poly mesh; its UVs and triangles are kept, as are meshes, materials, skins and animations of glTF:

@@ -19,8 +19,8 @@ impl BakeArgs {
     pub fn check(&self) -> Result<()> {
         if !self.is_alone() && !["glb", "gltf"].into_iter().any(|model| self.has_extension(model)) {
             bail!(
-                "{}: unsupported format; write assets as .glb or .gltf, standalone maps as .png, .tiff, .exr, .tga or \
-                 .webp",
+                "{}: unsupported format; write assets as .glb or .gltf, standalone maps as .png, .tiff, .exr, .tga, \
+                 .dds or .webp",
                 self.output.display()
             );
         }

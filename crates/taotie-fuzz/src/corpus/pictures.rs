@@ -8,7 +8,7 @@ use std::io::Cursor;
 use taotie_engine::image::{Bitmap, Encoding, Texels};
 use taotie_engine::math::scalar::pow;
 use taotie_engine::shade::environment::ENVIRONMENT_VERSION;
-use taotie_io::{ExrLayer, encode_png_bitmap, write_exr};
+use taotie_io::{ExrLayer, MapFormat, encode_map, encode_png_bitmap, write_exr};
 
 /// A PNG of 8 bits.
 pub const WAVES: &[u8] = include_bytes!("../../../../tests/data/pictures/waves.png");
@@ -44,6 +44,11 @@ pub fn seeds() -> Result<Vec<Seed>> {
         let mut bytes = Cursor::new(Vec::new());
         picture.write_to(&mut bytes, format)?;
         seeds.push(Seed::single(name, bytes.into_inner()));
+    }
+    for (name, channels) in [("blocks.dds", 4), ("normals.dds", 3), ("grey.dds", 1)] {
+        let texels = (0..60u8).map(|i| [i * 4, 255 - i * 3, 255, i]).collect();
+        let bitmap = Bitmap::new(10, 6, channels, Texels::U8(texels))?;
+        seeds.push(Seed::single(name, encode_map(&bitmap, Encoding::Normal, MapFormat::Dds)?));
     }
     Ok(seeds)
 }

@@ -24,7 +24,7 @@ pub enum Target {
     Ply,
     /// STL.
     Stl,
-    /// PNG, JPEG, WebP, AVIF, OpenEXR, KTX2, Radiance HDR and TGA.
+    /// PNG, JPEG, WebP, AVIF, OpenEXR, KTX2, Radiance HDR, TGA, TIFF and DDS.
     Picture,
     /// Environments from OpenEXR and Radiance HDR.
     Environment,
@@ -53,7 +53,9 @@ impl Target {
             Self::Mtl => &["mtl"],
             Self::Ply => &["ply"],
             Self::Stl => &["stl"],
-            Self::Picture => &["png", "jpg", "jpeg", "webp", "avif", "exr", "ktx2", "hdr", "tga", "tiff"],
+            Self::Picture => {
+                &["png", "jpg", "jpeg", "webp", "avif", "exr", "ktx2", "hdr", "tga", "tiff", "dds"]
+            }
             Self::Environment => &["exr", "hdr"],
             Self::Cache => &["environment"],
             Self::Material => &["toml"],

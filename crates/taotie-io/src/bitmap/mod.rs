@@ -1,8 +1,9 @@
-//! Images from PNG, JPEG, WebP, AVIF, KTX2, TGA, TIFF, Radiance HDR and OpenEXR, in the precision and encoding of the file:
+//! Images from PNG, JPEG, WebP, AVIF, KTX2, DDS, TGA, TIFF, Radiance HDR and OpenEXR, in the precision and encoding of the file:
 //! textures, and environments from float images.
 
 #[cfg(feature = "avif")]
 mod avif;
+mod dds;
 mod decode;
 #[cfg(feature = "exr")]
 mod exr;
@@ -10,6 +11,7 @@ mod exr;
 mod ktx;
 mod limits;
 
+pub(super) use dds::encode_dds;
 pub(super) use limits::{ImageHeader, KTX2_TYPE, combined, count_copy, count_first, texture};
 
 use super::limits::Limits;
@@ -75,10 +77,13 @@ pub(super) fn decode_within(bytes: &[u8], name: &str, path: &Path, reading: &Rea
     if is_ktx2(bytes) {
         return ktx::decode(bytes, reading).map_err(|failure| failure.into_error(path, at()));
     }
+    if dds::is_dds(bytes) {
+        return dds::decode(bytes, reading).map_err(|failure| failure.into_error(path, at()));
+    }
     let format = format.ok_or_else(|| {
         Error::unsupported(
             format!("{}: the image format of '{name}'", path.display()),
-            "use PNG, JPEG, WebP, AVIF, KTX2, TGA, TIFF, HDR or EXR",
+            "use PNG, JPEG, WebP, AVIF, KTX2, DDS, TGA, TIFF, HDR or EXR",
         )
     })?;
     #[cfg(feature = "exr")]

@@ -1,5 +1,6 @@
 //! Maps without a model, in the file formats of other programs.
 
+use super::super::bitmap::encode_dds;
 use super::gltf::encode_webp_bitmap;
 use super::still_image::{PngColor, PngImage, PngSamples, encode_png_bitmap, interleaved, with_image};
 use std::path::Path;
@@ -18,6 +19,8 @@ pub enum MapFormat {
     Exr,
     /// Truevision TGA with run lengths, 8 bits.
     Tga,
+    /// DDS with mip levels: BC5 for tangent-space normals, BC4 for one channel, BC7 for others; 8 bits.
+    Dds,
     /// TIFF with deflate compression, 8 or 16 bits.
     Tiff,
 }
@@ -29,6 +32,7 @@ impl Named for MapFormat {
         ("webp", Self::WebP),
         ("exr", Self::Exr),
         ("tga", Self::Tga),
+        ("dds", Self::Dds),
         ("tiff", Self::Tiff),
         ("tif", Self::Tiff),
     ];
@@ -44,7 +48,7 @@ impl MapFormat {
     /// Returns the maximum number of bits per channel: 8, 16 or 32.
     pub fn bits(self) -> u8 {
         match self {
-            Self::WebP | Self::Tga => 8,
+            Self::WebP | Self::Tga | Self::Dds => 8,
             Self::Png | Self::Tiff => 16,
             Self::Exr => 32,
         }
@@ -64,6 +68,7 @@ pub fn encode_map(bitmap: &Bitmap, encoding: Encoding, format: MapFormat) -> Res
     match (format, bitmap.texels()) {
         (MapFormat::Png, _) => encode_png_bitmap(bitmap, encoding),
         (MapFormat::WebP, _) => encode_webp_bitmap(bitmap),
+        (MapFormat::Dds, _) => encode_dds(bitmap, encoding),
         (MapFormat::Tga, Texels::U8(texels)) => tga(bitmap, texels),
         (MapFormat::Tiff, Texels::U8(_) | Texels::U16(_)) => with_image(bitmap, encoding, tiff),
         (MapFormat::Exr | MapFormat::Tga | MapFormat::Tiff, _) => Err(refused()),

@@ -128,6 +128,9 @@ impl<'a> MapFile<'a> {
     fn encoded(&self, bitmap: &Bitmap) -> Result<Vec<u8>> {
         match MapFormat::of(&self.path) {
             Some(MapFormat::Exr) => encode_numbers(bitmap, self.meaning()),
+            Some(MapFormat::Dds) if matches!(self.meaning(), Meaning::Direction) => {
+                taotie_io::encode_map(bitmap, Encoding::Normal, MapFormat::Dds)
+            }
             format => taotie_io::encode_map(bitmap, self.encoding(), format.unwrap_or(MapFormat::Png)),
         }
     }
