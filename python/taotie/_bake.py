@@ -310,6 +310,7 @@ def bake(
     ao_rays: int = 64,
     ao_distance: float | None = None,
     roughness: float | None = None,
+    bevel_radius: float | None = None,
     ray_distance: float | Literal["auto"] = "auto",
     cage: Any = None,
     match: Literal["by-name", "nearest"] = "by-name",
@@ -357,7 +358,7 @@ def bake(
         power of two, 256 to 8192, that preserves the scan's detail.
     maps : sequence of str
         Maps to bake: auto (normal, and every property that varies in the scan's materials), normal, ao, albedo,
-        height, bent, curvature, roughness, metallic-roughness, emission, alpha, occlusion.
+        height, bent, curvature, roughness, metallic-roughness, emission, alpha, occlusion, and those of `Map`.
     space : {"tangent", "object"}
         Space of the normal map.
     samples : int
@@ -372,6 +373,8 @@ def bake(
         Largest distance at which the scan occludes, model units.
     roughness : float, optional
         Roughness of the scan's surface; defaults to that of its material.
+    bevel_radius : float, optional
+        Radius of rounded edges for bevel, model units; defaults to 1 % of the scan's diagonal.
     ray_distance : float or "auto"
         Length of the projection rays, model units; auto measures the gap between the meshes.
     cage : path, Model, or a mesh of another package, optional
@@ -456,6 +459,7 @@ def bake(
         "ao_rays": ao_rays,
         "ao_distance": ao_distance,
         "roughness": roughness,
+        "bevel_radius": bevel_radius,
         "by_name": match == "by-name",
         "new_uvs": new_uvs,
         "ray_distance": _distance(ray_distance, cage_file),

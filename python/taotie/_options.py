@@ -53,6 +53,8 @@ Map: TypeAlias = Literal[
     "material-id",
     "object-id",
     "wireframe",
+    "bevel",
+    "vector-displacement",
 ]
 #: The default background of images.
 BACKGROUND = "#2a2b2e"

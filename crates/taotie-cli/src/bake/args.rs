@@ -91,7 +91,8 @@ pub struct BakeArgs {
     /// Maps to bake, separated by commas: auto (normal, and all that varies in the scan's materials), normal, ao
     /// (ambient occlusion), albedo (base colour), height, bent (bent normals), curvature, roughness (widened by fine
     /// relief), metallic-roughness, emission, alpha, occlusion (the scan's own texture), position, world-normal,
-    /// thickness, vertex-color, material-id, object-id, wireframe (the low-poly mesh's edges)
+    /// thickness, vertex-color, material-id, object-id, wireframe (the low-poly mesh's edges), bevel (normals with rounded
+    /// edges), vector-displacement
     #[arg(long, value_name = "auto|MAP,...", value_delimiter = ',', default_value = "auto", value_parser = map, help_heading = "Maps")]
     pub maps: Vec<Auto<MapKind>>,
     /// Space of the normal map. glTF has only tangent space, so an object-space map is written next to the asset
@@ -114,12 +115,15 @@ pub struct BakeArgs {
     /// Padding around UV islands, 0 to 16384 texels; auto fills the whole map
     #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = dilation, help_heading = "Maps")]
     pub dilation: Auto<u32>,
-    /// Rays per texel over the hemisphere, for ao, bent and thickness [default: 64]
+    /// Rays per texel over the hemisphere, for ao, bent and thickness, or through the edges, for bevel [default: 64]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096), help_heading = "Maps")]
     pub ao_rays: Option<u32>,
     /// Maximum distance at which the scan occludes, for ao and bent, model units [default: unlimited]
     #[arg(long, value_name = "X", value_parser = positive, help_heading = "Maps")]
     pub ao_distance: Option<f64>,
+    /// Radius of rounded edges for bevel, model units [default: 1 % of the scan's diagonal]
+    #[arg(long, value_name = "X", value_parser = positive, help_heading = "Maps")]
+    pub bevel_radius: Option<f64>,
     /// Roughness of the scan's surface, 0 to 1 [default: that of its material]
     #[arg(long, value_name = "X", value_parser = fraction, help_heading = "Maps")]
     pub roughness: Option<f64>,

@@ -146,7 +146,9 @@ impl Work<'_> {
     /// Returns the cost of a million texels: projection rays and lookups for each sample, and rays over the
     /// hemisphere.
     fn samples(&self) -> f64 {
-        let is_sky = |map: &MapKind| matches!(map, MapKind::Occlusion | MapKind::Bent | MapKind::Thickness);
+        let is_sky = |map: &MapKind| {
+            matches!(map, MapKind::Occlusion | MapKind::Bent | MapKind::Thickness | MapKind::Bevel)
+        };
         let sky = if self.options.maps.iter().any(is_sky) { f64::from(self.options.ao_rays) } else { 0.0 };
         let material = if self.options.carry { 1000.0 } else { 0.0 };
         let samples = f64::from(self.options.side * self.options.side) / 4.0;

@@ -49,7 +49,8 @@ impl BakeArgs {
             );
         }
         self.check_levels()?;
-        let turns = self.maps().iter().any(|map| matches!(map, MapKind::Normal | MapKind::Bent));
+        let turns = |map: &MapKind| matches!(map, MapKind::Normal | MapKind::Bent | MapKind::Bevel);
+        let turns = self.maps().iter().any(turns);
         if self.green == Green::Down && (self.space == Space::Object || !turns) {
             bail!("--green down: no normal or bent map is baked in tangent space; bake one, or leave it out");
         }
@@ -146,8 +147,11 @@ impl BakeArgs {
         let (maps, carries) = (self.maps(), self.carries());
         let bakes = |map: MapKind| maps.contains(&map);
         let sky = bakes(MapKind::Occlusion) || bakes(MapKind::Bent);
-        if self.ao_rays.is_some() && !sky && !bakes(MapKind::Thickness) {
-            bail!("--ao-rays: none of ao, bent and thickness is baked; add one of them to --maps");
+        if self.ao_rays.is_some() && !sky && !bakes(MapKind::Thickness) && !bakes(MapKind::Bevel) {
+            bail!("--ao-rays: none of ao, bent, thickness and bevel is baked; add one of them to --maps");
+        }
+        if self.bevel_radius.is_some() && !bakes(MapKind::Bevel) {
+            bail!("--bevel-radius: no bevel map is baked; add bevel to --maps");
         }
         if self.ao_distance.is_some() && !sky {
             bail!("--ao-distance: neither ao nor bent is baked; add one of them to --maps");
@@ -270,6 +274,7 @@ impl BakeArgs {
             ao_rays: self.ao_rays.unwrap_or(BakeOptions::default().ao_rays),
             ao_distance: self.ao_distance,
             roughness: self.roughness,
+            bevel_radius: self.bevel_radius,
             by_name: self.matching == Match::ByName,
             new_uvs: self.new_uvs,
             udim: self.has_tiles(),

@@ -47,6 +47,10 @@ pub enum MapKind {
     ObjectId,
     /// The edges of the low-poly mesh.
     Wireframe,
+    /// The scan's normals with rounded edges.
+    Bevel,
+    /// The vector from the low-poly mesh to the scan.
+    VectorDisplacement,
 }
 
 impl Named for MapKind {
@@ -70,6 +74,8 @@ impl Named for MapKind {
         ("material-id", Self::MaterialId),
         ("object-id", Self::ObjectId),
         ("wireframe", Self::Wireframe),
+        ("bevel", Self::Bevel),
+        ("vector-displacement", Self::VectorDisplacement),
     ];
 }
 
@@ -109,15 +115,19 @@ impl MapKind {
             Self::MaterialId => &[Plane::MaterialId],
             Self::ObjectId => &[Plane::ObjectId],
             Self::Wireframe => &[Plane::Wireframe],
+            Self::Bevel => &[Plane::Bevel],
+            Self::VectorDisplacement => &[Plane::VectorDisplacement],
         }
     }
 
     /// Returns the meaning of its values.
     pub const fn content(self) -> MapContent {
         match self {
-            Self::Normal | Self::Bent | Self::WorldNormal => MapContent::Direction,
+            Self::Normal | Self::Bent | Self::WorldNormal | Self::Bevel => MapContent::Direction,
             Self::Albedo | Self::Emission | Self::VertexColor => MapContent::Color,
-            Self::Height | Self::Curvature | Self::Position | Self::Thickness => MapContent::Length,
+            Self::Height | Self::Curvature | Self::Position | Self::Thickness | Self::VectorDisplacement => {
+                MapContent::Length
+            }
             Self::MaterialId | Self::ObjectId => MapContent::Label,
             Self::Occlusion
             | Self::OcclusionMap
@@ -131,7 +141,7 @@ impl MapKind {
     /// Returns `true` if glTF materials have no slot for the map, so that it is a file next to the asset.
     pub const fn is_separate(self) -> bool {
         match self {
-            Self::Wireframe | Self::Bent | Self::WorldNormal | Self::VertexColor => true,
+            Self::Wireframe | Self::Bent | Self::WorldNormal | Self::Bevel | Self::VertexColor => true,
             _ => matches!(self.content(), MapContent::Length | MapContent::Label),
         }
     }
@@ -234,10 +244,14 @@ pub enum Plane {
     ObjectId,
     /// The share of the texel within one texel of an edge of the low-poly mesh, [0, 1].
     Wireframe,
+    /// Unit normals with rounded edges, in the requested space.
+    Bevel,
+    /// The vector from the low-poly mesh to the scan in the requested space, in model units.
+    VectorDisplacement,
 }
 
 impl Plane {
-    const ALL: [Self; 17] = [
+    const ALL: [Self; 19] = [
         Self::Normal,
         Self::Occlusion,
         Self::Albedo,
@@ -255,12 +269,15 @@ impl Plane {
         Self::MaterialId,
         Self::ObjectId,
         Self::Wireframe,
+        Self::Bevel,
+        Self::VectorDisplacement,
     ];
 
     /// Returns the numbers per texel: 1 or 3.
     pub const fn channels(self) -> usize {
         match self {
-            Self::Normal | Self::Bent | Self::WorldNormal | Self::Position => 3,
+            Self::Normal | Self::Bent | Self::WorldNormal | Self::Bevel => 3,
+            Self::Position | Self::VectorDisplacement => 3,
             Self::Albedo | Self::Emission | Self::VertexColor => 3,
             _ => 1,
         }
@@ -274,7 +291,7 @@ impl Plane {
     /// Returns the values of texels that no triangle covers.
     fn free(self, count: usize) -> Vec<f32> {
         match self {
-            Self::Normal | Self::Bent | Self::WorldNormal => [0.0, 0.0, 1.0].repeat(count),
+            Self::Normal | Self::Bent | Self::WorldNormal | Self::Bevel => [0.0, 0.0, 1.0].repeat(count),
             Self::Occlusion | Self::Alpha => vec![1.0; count],
             _ => vec![0.0; count * self.channels()],
         }

@@ -6,6 +6,7 @@
 //! threads.
 
 mod appearance;
+mod bevel;
 mod cage;
 mod coverage;
 mod faults;

@@ -121,8 +121,15 @@ fn most(ranks: impl Iterator<Item = usize>) -> usize {
 }
 
 /// The maps of the scan's points.
-pub(super) const OF_POINTS: [MapKind; 5] =
-    [MapKind::Position, MapKind::Thickness, MapKind::VertexColor, MapKind::MaterialId, MapKind::ObjectId];
+pub(super) const OF_POINTS: [MapKind; 7] = [
+    MapKind::Position,
+    MapKind::Thickness,
+    MapKind::VertexColor,
+    MapKind::MaterialId,
+    MapKind::ObjectId,
+    MapKind::Bevel,
+    MapKind::VectorDisplacement,
+];
 
 /// Sums over the samples of a texel that have a correspondence.
 #[derive(Debug, Clone, Copy, Default)]
@@ -132,6 +139,9 @@ pub(super) struct PointSums {
     first: Vec3,
     rest: Vec3,
     color: Vec3,
+    bevel: Vec3,
+    /// Sum of the vectors from the low-poly mesh.
+    way: Vec3,
     depth: Depth,
     material: Majority,
     object: Majority,
@@ -151,6 +161,26 @@ impl PointSums {
         }
         self.material.add(scan.surface().material_number(point.triangle) as u32);
         self.object.add(scan.surface().object_number(point.triangle) as u32);
+    }
+
+    /// Adds a unit normal with rounded edges.
+    pub fn add_bevel(&mut self, normal: Vec3) {
+        self.bevel += normal;
+    }
+
+    /// Adds a vector from the low-poly mesh to a point.
+    pub fn add_way(&mut self, way: Vec3) {
+        self.way += way;
+    }
+
+    /// Returns the sum of normals with rounded edges.
+    pub fn bevel(&self) -> Vec3 {
+        self.bevel
+    }
+
+    /// Returns the mean vector from the low-poly mesh; `None` without points.
+    pub fn way(&self) -> Option<Vec3> {
+        (self.count > 0).then(|| self.way * (1.0 / self.count as f32))
     }
 
     /// Adds the depth below a point.

@@ -1,6 +1,7 @@
 //! Baking: each sample of each texel finds its point on the scan, and the texel averages the values there.
 
 use super::appearance::{MaterialSample, under_mode};
+use super::bevel::Bevel;
 use super::cage::Cage;
 use super::fill::fill;
 use super::layout::{BAND, Layout, TriangleSamples};
@@ -39,6 +40,8 @@ pub struct BakeSettings {
     pub sky_distance: Option<f32>,
     /// The perceptual roughness that replaces that of the scan's materials; `None` uses theirs.
     pub roughness: Option<f32>,
+    /// The radius of rounded edges, model units; `None` for 1 % of the scan's diagonal.
+    pub bevel_radius: Option<f32>,
     /// The number of texels around each UV island that take the value of the nearest one; `None` fills the whole map.
     pub dilation: Option<u32>,
 }
@@ -54,6 +57,7 @@ impl Default for BakeSettings {
             sky_rays: 64,
             sky_distance: None,
             roughness: None,
+            bevel_radius: None,
             dilation: None,
         }
     }
@@ -95,6 +99,7 @@ pub fn bake(input: BakeInput<'_>, settings: &BakeSettings, progress: Progress<'_
     let of_sky = [MapKind::Occlusion, MapKind::Bent, MapKind::Thickness];
     let job = Job {
         sky: settings.maps.has_any(&of_sky).then(|| sky(low, settings)),
+        bevel: wants(MapKind::Bevel).then(|| bevel(scan.mesh(), settings)),
         curvatures: if wants(MapKind::Curvature) { mean_curvatures(scan.mesh()) } else { Vec::new() },
         alpha_modes: if reads_materials { scan.alpha_modes(low, cage) } else { Vec::new() },
         without_hit: scan.surface().first_factors(),
@@ -130,6 +135,13 @@ fn sky(low: &Mesh, settings: &BakeSettings) -> Sky {
     Sky::new(settings.sky_rays, settings.side * settings.side, distance, low.diagonal())
 }
 
+fn bevel(scan: &Mesh, settings: &BakeSettings) -> Bevel {
+    /// The radius as a fraction of the scan's diagonal.
+    const RADIUS: f64 = 0.01;
+    let radius = settings.bevel_radius.unwrap_or((scan.diagonal() * RADIUS) as f32);
+    Bevel::new(radius, settings.sky_rays, settings.side * settings.side)
+}
+
 /// The maps read from the scan's materials.
 const OF_MATERIALS: [MapKind; 6] = [
     MapKind::Albedo,
@@ -147,6 +159,7 @@ struct Job<'a> {
     scan: &'a Scan,
     settings: &'a BakeSettings,
     sky: Option<Sky>,
+    bevel: Option<Bevel>,
     /// The curvature at the scan's vertices.
     curvatures: Vec<f32>,
     /// The alpha mode with which each triangle of the low-poly mesh is shown; empty if no materials are read.
@@ -252,13 +265,22 @@ impl Job<'_> {
                 sums.add(self.material(LookupPoint { point: found.point, width }, mode));
             }
             let points = cells.points.get_mut(sample.texel as usize);
-            let points = points.map(|sums| (sums.add(self.scan, found.point), sums).1);
-            if let Some(sky) = &self.sky {
-                let [x, y] = sample.at.map(|v| u32::from(v) % self.layout.side);
-                let ao_sample = sky.ao_sample(self.scan, &found, y * self.layout.side + x);
-                if let Some(sums) = points.filter(|_| self.settings.maps.has(MapKind::Thickness)) {
-                    sums.add_depth(sky.depth(self.scan, &ao_sample));
+            let [x, y] = sample.at.map(|v| u32::from(v) % self.layout.side);
+            let class = y * self.layout.side + x;
+            let ao_sample = self.sky.as_ref().map(|sky| (sky, sky.ao_sample(self.scan, &found, class)));
+            if let Some(sums) = points {
+                sums.add(self.scan, found.point);
+                sums.add_way(found.point.position(self.scan.mesh()) - projection.point);
+                if let Some(bevel) = &self.bevel {
+                    sums.add_bevel(bevel.normal(self.scan, &found, class));
                 }
+                if let Some((sky, ao_sample)) = &ao_sample
+                    && self.settings.maps.has(MapKind::Thickness)
+                {
+                    sums.add_depth(sky.depth(self.scan, ao_sample));
+                }
+            }
+            if let Some((_, ao_sample)) = ao_sample {
                 ao_samples.push((sample.texel, ao_sample));
             }
         }
@@ -355,6 +377,12 @@ impl Job<'_> {
         maps.set(Plane::Occlusion, i, if cell.looked > 0.0 { cell.open / cell.looked } else { 1.0 });
         if let Some(sums) = cells.points.get(i) {
             sums.store(i, maps);
+            if maps.has(Plane::Bevel) {
+                maps.set_vector(Plane::Bevel, i, self.turned(cell, sums.bevel()));
+            }
+            let missing = Vec3::splat(f32::NAN);
+            let way = sums.way().map_or(missing, |way| self.in_space(cell, way));
+            maps.set_vector(Plane::VectorDisplacement, i, way);
         }
         if let Some(sums) = cells.materials.get(i) {
             self.store_material(i, &sums.mean().unwrap_or(self.without_hit), maps);
@@ -379,6 +407,16 @@ impl Job<'_> {
         if !self.settings.maps.has(MapKind::Occlusion) {
             maps.set(Plane::Occlusion, i, mean.occlusion);
         }
+    }
+
+    /// Returns a vector in the requested space; in tangent space, along the axes of the low-poly mesh's frame.
+    fn in_space(&self, cell: &Cell, v: Vec3) -> Vec3 {
+        if self.settings.space == NormalSpace::Object {
+            return v;
+        }
+        let n = cell.n.normalize_or(Vec3::new(0.0, 0.0, 1.0));
+        let t = (cell.t - n * n.dot(cell.t)).normalize_or(n.any_perpendicular());
+        Vec3::new(v.dot(t), v.dot(n.cross(t)) * cell.handedness, v.dot(n))
     }
 
     /// Returns a unit direction in the requested space.

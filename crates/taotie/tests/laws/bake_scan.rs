@@ -7,7 +7,7 @@ use taotie_engine::bake::{
     UnwrapOptions, Verifier, bake, unwrap,
 };
 use taotie_engine::image::{Encoding, Sampler, Texture};
-use taotie_engine::math::Vec3;
+use taotie_engine::math::{Vec2, Vec3};
 use taotie_engine::mesh::{Mesh, MeshData, Point};
 use taotie_engine::names::Named;
 use taotie_engine::normal_map::{Storage, store_unit_vectors};
@@ -323,13 +323,13 @@ fn maps_depend_on_neither_threads_nor_order() {
         pool.install(|| baked(low, &scan(fine.clone()), &settings).0.maps)
     };
     let one = of(&low, &fine, 1);
-    assert_eq!(one.planes().count(), 17);
+    assert_eq!(one.planes().count(), 19);
     // Sums over the triangles around a vertex are rounded depending on their order: in the scan those of its
     // curvature, in the low-poly mesh those of the cage. Measured: 3.6e-7 and 7.5e-7.
     const ROUNDING: f32 = 1e-6;
     // Rays that graze the opposite side move further. Measured: 3.05e-6.
     const OF_RAYS: f32 = 4e-6;
-    const ROUNDED: [Plane; 8] = [
+    const ROUNDED: [Plane; 10] = [
         Plane::Normal,
         Plane::Height,
         Plane::Bent,
@@ -338,6 +338,8 @@ fn maps_depend_on_neither_threads_nor_order() {
         Plane::Position,
         Plane::WorldNormal,
         Plane::Thickness,
+        Plane::Bevel,
+        Plane::VectorDisplacement,
     ];
     let cases = [
         ("three threads", of(&low, &fine, 3), None),
@@ -529,5 +531,88 @@ fn rays_on_curved_surfaces_keep_their_directions() {
             let point = Point { triangle, weights: [0.2, 0.3, 0.5] };
             assert_eq!(cage.projection_ray(&low, point), skewed.projection_ray(&low, point));
         }
+    }
+}
+
+/// A step with an edge of 90° along y, 2 wide, and a low-poly mesh that is its upper face.
+fn step() -> (Mesh, Scan) {
+    let quad = |corners: [[f32; 3]; 4], normal: [f32; 3]| MeshData {
+        positions: corners.map(Vec3::from_array).to_vec(),
+        normals: vec![Vec3::from_array(normal); 4],
+        uvs: vec![corners.map(|[x, y, _]| Vec2::new((x + 1.0) / 2.0, y)).to_vec()],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..MeshData::default()
+    };
+    let top = [[-1.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+    let low = Mesh::new(quad(top, [0.0, 0.0, 1.0])).unwrap();
+    let mut data = quad(top, [0.0, 0.0, 1.0]);
+    let side = quad([[0.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, -1.0], [0.0, 1.0, 0.0]], [1.0, 0.0, 0.0]);
+    data.positions.extend(side.positions);
+    data.normals.extend(side.normals);
+    data.triangles.extend(side.triangles.iter().map(|t| t.map(|v| v + 4)));
+    data.uvs.clear();
+    (with_frames(&low, 0, None).unwrap().0.into_owned(), scan(Mesh::new(data).unwrap()))
+}
+
+/// The angle in degrees by which an edge of 90° turns the mean normal at a distance from it, in radii: the integral of
+/// (1 − distance)³ over the half plane behind the edge and the part of this one within the radius.
+fn rounded(at: f64) -> f64 {
+    const STEPS: i32 = 400;
+    let weight = |x: f64, y: f64, z: f64| (1.0 - (x * x + y * y + z * z).sqrt()).max(0.0).powi(3);
+    let (mut own, mut other) = (0.0, 0.0);
+    for i in -STEPS..STEPS {
+        for k in -STEPS..STEPS {
+            let [u, v] = [i, k].map(|i| (f64::from(i) + 0.5) / f64::from(STEPS));
+            own += if u <= at { weight(u, v, 0.0) } else { 0.0 };
+            other += if u >= 0.0 { weight(at, v, u) } else { 0.0 };
+        }
+    }
+    f64::atan2(other, own).to_degrees()
+}
+
+#[test]
+fn bevelled_edges_are_rounded_as_the_integral_is() {
+    let (low, scan) = step();
+    let settings = BakeSettings {
+        size: [128, 64],
+        bevel_radius: Some(0.25),
+        sky_rays: 1024,
+        space: NormalSpace::Object,
+        ..settings(64, &[MapKind::Bevel])
+    };
+    let (baked, _) = baked(&low, &scan, &settings);
+    let normals = baked.maps.vectors(Plane::Bevel);
+    let texel = 2.0 / 128.0;
+    let mut worst: f64 = 0.0;
+    for column in 0..64 {
+        // The middle of the step, far from its open ends.
+        let [x, _, z] = normals[32 * 128 + column].map(f64::from);
+        let found = f64::atan2(x, z).to_degrees();
+        let expected = rounded(texel * (63.5 - column as f64) / 0.25);
+        worst = worst.max((found - expected).abs());
+    }
+    assert!(worst < 0.8, "{worst}°");
+    assert!((rounded(0.0) - 45.0).abs() < 1e-6 && rounded(1.0) == 0.0);
+}
+
+#[test]
+fn vector_displacement_leads_from_the_low_poly_mesh_to_the_scan() {
+    let low = low_poly(&bare_sphere(1.0, 24, 12), 64);
+    let scan = scan(bare_sphere(1.05, 256, 128));
+    let of = |space: NormalSpace| {
+        let maps = [MapKind::VectorDisplacement, MapKind::Position, MapKind::Height];
+        baked(&low, &scan, &BakeSettings { space, ..settings(64, &maps) }).0.maps
+    };
+    let [object, tangent] = [NormalSpace::Object, NormalSpace::Tangent].map(of);
+    for i in covered(&object).filter(|i| object.texels[*i] == TexelStatus::Met) {
+        let [way, position] = [Plane::VectorDisplacement, Plane::Position]
+            .map(|plane| Vec3::from_array(object.vectors(plane)[i]));
+        // Subtracting it leads back to the low-poly mesh, between its faces and its vertices.
+        let start = (position - way).length();
+        assert!((0.95..1.001).contains(&start), "{start}");
+        let turned = Vec3::from_array(tangent.vectors(Plane::VectorDisplacement)[i]);
+        let height = tangent.numbers(Plane::Height)[i];
+        assert!((turned.length() - way.length()).abs() < 1e-3 * way.length());
+        assert!((turned.z - height).abs() < 0.02 * height, "{turned:?} {height}");
     }
 }

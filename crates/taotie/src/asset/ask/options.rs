@@ -139,6 +139,8 @@ pub struct BakeOptions {
     pub ao_distance: Option<f64>,
     /// Roughness of the scan's own surface, [0, 1]; `None` uses that of its material.
     pub roughness: Option<f64>,
+    /// The radius of rounded edges for the bevel map, model units; `None` for 1 % of the scan's diagonal.
+    pub bevel_radius: Option<f64>,
     /// `true` if objects of `low` named `X_low` show only objects of the scan named `X_high`, with any X. Other objects
     /// show whatever is nearest.
     pub by_name: bool,
@@ -185,6 +187,7 @@ impl Default for BakeOptions {
             ao_rays: AO_RAYS,
             ao_distance: None,
             roughness: None,
+            bevel_radius: None,
             by_name: true,
             new_uvs: false,
             udim: false,
@@ -272,6 +275,9 @@ impl BakeOptions {
             }
             Self { ao_distance: v, .. } if !is_above_0(v) => {
                 wrong("the distance of occlusion".into(), "use a length above 0, in model units")
+            }
+            Self { bevel_radius: v, .. } if !is_above_0(v) => {
+                wrong("the radius of rounded edges".into(), "use a length above 0, in model units")
             }
             Self { roughness: Some(v), .. } if !(0.0..=1.0).contains(v) => {
                 wrong(format!("a roughness of {v}"), "use a number in [0, 1]")
@@ -375,8 +381,11 @@ pub(in crate::asset) fn note_unread_options(options: &BakeOptions, warnings: &mu
     let directions = options.maps.iter().any(|map| map.content() == MapContent::Direction);
     let normals = bakes(&[MapKind::Normal, MapKind::Bent]);
     let unread = [
-        ("the number of occlusion rays has no effect: none of ao, bent and thickness is baked", {
-            options.ao_rays != AO_RAYS && !sky && !bakes(&[MapKind::Thickness])
+        ("the number of occlusion rays has no effect: none of ao, bent, thickness and bevel is baked", {
+            options.ao_rays != AO_RAYS && !sky && !bakes(&[MapKind::Thickness, MapKind::Bevel])
+        }),
+        ("the radius of rounded edges has no effect: no bevel map is baked", {
+            options.bevel_radius.is_some() && !bakes(&[MapKind::Bevel])
         }),
         ("the distance of occlusion has no effect: neither ao nor bent is baked", {
             options.ao_distance.is_some() && !sky

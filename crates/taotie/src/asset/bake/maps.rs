@@ -65,6 +65,7 @@ pub(in crate::asset) fn bake_maps(
         sky_rays: options.ao_rays,
         sky_distance: options.ao_distance.map(|distance| distance as f32),
         roughness: options.roughness.map(|v| v as f32),
+        bevel_radius: options.bevel_radius.map(|v| v as f32),
         dilation: options.dilation,
     };
     let input = BakeInput { low: &low.mesh, cage: &cage, scan: scan.sorted() };
@@ -428,6 +429,7 @@ impl Separate<'_> {
                 SeparateMap { legend: self.legend(map), ..of(bitmap) }
             }
             MapContent::Length if map == MapKind::Position => self.positions()?,
+            MapContent::Length if map == MapKind::VectorDisplacement => self.vectors(map)?,
             MapContent::Length => self.of_numbers(map)?,
         })
     }
@@ -455,29 +457,48 @@ impl Separate<'_> {
         Ok(SeparateMap { range: Some(range), ..SeparateMap::plain(map, bitmap) })
     }
 
-    /// Creates a 16-bit map of positions relative to the centre of the scan, with one range for all axes.
+    /// Creates a 16-bit map of positions relative to the centre of the scan.
     fn positions(&self) -> Result<SeparateMap> {
-        let positions = self.maps.vectors(Plane::Position);
-        let covered =
-            positions.iter().zip(&self.maps.texels).filter(|(_, texel)| **texel != TexelStatus::Free);
-        let (mut least, mut most) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
-        for (axis, v) in covered.flat_map(|(position, _)| position.iter().enumerate()) {
-            least[axis] = least[axis].min(*v);
-            most[axis] = most[axis].max(*v);
-        }
+        let [least, most] = self.bounds(Plane::Position);
         let is_any = least[0] <= most[0];
         let center =
             std::array::from_fn(
                 |k| if is_any { (f64::from(least[k]) + f64::from(most[k])) / 2.0 } else { 0.0 },
             );
         let half = (0..3).map(|k| f64::from(most[k]) - center[k]).fold(f64::MIN_POSITIVE, f64::max);
+        let map = self.around(MapKind::Position, (center, half))?;
+        Ok(SeparateMap { origin: Some(center), ..map })
+    }
+
+    /// Creates a 16-bit map of vectors; mid grey is 0.
+    fn vectors(&self, map: MapKind) -> Result<SeparateMap> {
+        let ends = self.bounds(map.planes()[0]);
+        let longest = ends.as_flattened().iter().filter(|v| v.is_finite()).map(|v| f64::from(v.abs()));
+        self.around(map, ([0.0; 3], longest.fold(f64::MIN_POSITIVE, f64::max)))
+    }
+
+    /// Returns the least and the largest components of a plane of vectors at texels that a triangle covers.
+    fn bounds(&self, plane: Plane) -> [[f32; 3]; 2] {
+        let vectors = self.maps.vectors(plane).iter().zip(&self.maps.texels);
+        let covered = vectors.filter(|(_, texel)| **texel != TexelStatus::Free);
+        let (mut least, mut most) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+        for (axis, v) in covered.flat_map(|(vector, _)| vector.iter().enumerate()) {
+            least[axis] = least[axis].min(*v);
+            most[axis] = most[axis].max(*v);
+        }
+        [least, most]
+    }
+
+    /// Creates a 16-bit map of vectors relative to a centre, up to `half` along each axis.
+    fn around(&self, map: MapKind, (center, half): ([f64; 3], f64)) -> Result<SeparateMap> {
+        let vectors = self.maps.vectors(map.planes()[0]);
         let code = |i: usize| {
-            std::array::from_fn(|k| (0.5 + (f64::from(positions[i][k]) - center[k]) / (2.0 * half)) as f32)
+            std::array::from_fn(|k| (0.5 + (f64::from(vectors[i][k]) - center[k]) / (2.0 * half)) as f32)
         };
         let bitmap = store_codes(self.maps.size(), code, 3, FINE)?;
         let [unit, _] = units(self.scan.unit());
         let range = Some(Range { black: -half, white: half, unit });
-        Ok(SeparateMap { range, origin: Some(center), ..SeparateMap::plain(MapKind::Position, bitmap) })
+        Ok(SeparateMap { range, ..SeparateMap::plain(map, bitmap) })
     }
 
     /// Returns the colours of the materials or objects in a map, by their names. Those without a separate name have

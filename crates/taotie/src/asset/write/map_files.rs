@@ -129,15 +129,15 @@ pub(super) fn turned_green(
         false => Ok(turned),
         true => Err(Error::invalid(
             "green down",
-            "needs a normal or bent map in tangent space; bake one, or omit it",
+            "needs a normal, bent or bevel map in tangent space; bake one, or omit it",
         )),
     }
 }
 
 fn tangent_maps(textures: &Textures) -> impl Iterator<Item = (MapKind, &Bitmap)> {
-    let bent = textures.separate.iter().filter(|file| file.map == MapKind::Bent);
+    let others = textures.separate.iter().filter(|file| matches!(file.map, MapKind::Bent | MapKind::Bevel));
     let normal = textures.normal.as_ref().map(|bitmap| (MapKind::Normal, bitmap));
-    normal.into_iter().chain(bent.map(|file| (file.map, &file.bitmap)))
+    normal.into_iter().chain(others.map(|file| (file.map, &file.bitmap)))
 }
 
 /// A texture of one material that packs channels of its maps.

@@ -58,6 +58,9 @@ struct Fields<'a> {
     ao_distance: Option<f64>,
     /// The roughness of the asset; `None` for that of the scan, [0, 1].
     roughness: Option<f64>,
+    /// The radius of rounded edges, model units; `None` for the default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bevel_radius: Option<f64>,
     /// The length of projection rays, model units.
     ray_distance: Auto,
     /// `false` if names of objects were ignored; `None` if not.
@@ -201,6 +204,7 @@ impl Parameters {
             ao_rays: options.ao_rays,
             ao_distance: options.ao_distance,
             roughness: options.roughness,
+            bevel_radius: options.bevel_radius,
             ray_distance: auto(distance),
             by_name: (!options.by_name).then_some(false),
             new_uvs: options.new_uvs.then_some(true),
