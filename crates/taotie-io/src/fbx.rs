@@ -75,8 +75,8 @@ fn failure(path: &Path, error: &ufbx::Error, most: u64) -> Error {
         ErrorType::MemoryLimit | ErrorType::AllocationLimit | ErrorType::OutOfMemory => Error::limit(
             path.display().to_string(),
             format!(
-                "reading needs more than 2 × {} of memory; raise the limit with --memory-limit, free memory, or \
-                 simplify the model",
+                "it needs more than {} of memory, half of what is left; raise the limit with --memory-limit, free \
+                 memory, or simplify the model",
                 Bytes(most)
             ),
         ),
@@ -263,13 +263,14 @@ fn triangulated(mesh: &ufbx::Mesh, faces: &[u32], warnings: &mut Warnings) -> Ve
             warnings.note(problem, 1);
             continue;
         }
-        let points: Vec<Vec3> =
-            (index_begin..index_begin + num_indices).map(|corner| vec3(positions.at(corner))).collect();
+        let points: Vec<Vec3> = (index_begin..index_begin.saturating_add(num_indices))
+            .map(|corner| vec3(positions.at(corner)))
+            .collect();
         triangles.clear();
         if cutter.cut(&points, &mut triangles) == Outline::Crossing {
             warnings.note("self-intersecting polygons, triangulated approximately", 1);
         }
-        corners.extend(triangles.as_flattened().iter().map(|corner| index_begin + corner));
+        corners.extend(triangles.as_flattened().iter().map(|corner| index_begin.saturating_add(*corner)));
     }
     corners
 }
