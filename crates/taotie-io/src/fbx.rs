@@ -15,7 +15,7 @@ use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::math::srgb::linear_from_srgb;
 use taotie_engine::math::{Mat4, Vec2, Vec3};
 use taotie_engine::mesh::{Mesh, MeshData};
-use taotie_engine::scene::{Instance, Material, Scene, SceneData, UvTransform};
+use taotie_engine::scene::{Classic, Instance, Material, Scene, SceneData, UvTransform};
 use taotie_engine::surface::{Classes, bits};
 use ufbx::{AllocatorOpts, ElementType, ErrorType, MaterialMap, SubdivisionDisplayMode, WarningType};
 
@@ -106,7 +106,7 @@ fn note_repairs(file: &ufbx::Scene, warnings: &mut Warnings) {
             WarningType::MissingGeometryData => "skipped attributes of meshes without values",
             WarningType::MissingPolygonMapping => "skipped attributes of meshes with an unsupported mapping",
             WarningType::IndexClamped => "limited indices to the values that exist",
-            WarningType::BadUnicode => "text that is not UTF-8",
+            WarningType::BadUnicode => "replaced text that is not UTF-8",
             WarningType::UnsupportedVersion => "a version of FBX that may be read incompletely",
             _ => "skipped damaged or duplicate objects",
         };
@@ -451,7 +451,10 @@ impl<'a> Materials<'a> {
                 let unused =
                     of_file.textures.iter().filter(|t| !self.used.contains(&t.texture.element.element_id));
                 warnings.note("ignored textures of properties that are not read", unused.count());
-                material(&mtl, &mut self.textures, warnings)
+                let read = material(&mtl, &mut self.textures, warnings);
+                // Physically based materials have no parameters of classic models.
+                let classic = if of_file.features.pbr.enabled { Classic::default() } else { read.classic };
+                Material { classic, ..read }
             }
             None if is_colored => Material { base_color: [1.0; 4], ..neutral("") },
             None => neutral(""),
