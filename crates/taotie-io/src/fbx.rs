@@ -9,7 +9,8 @@ use super::obj::{Map, Mtl, Textures, material, neutral};
 use super::polygon::{Cutter, Outline};
 use super::reading::Reading;
 use super::text::quote;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
+use std::collections::btree_map::{BTreeMap, Entry};
 use std::path::Path;
 use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::math::srgb::linear_from_srgb;
@@ -172,14 +173,17 @@ fn assemble(reading: &Reading, file: &ufbx::Scene, loaded: &mut Loaded) -> Resul
     let mut materials = Materials::new(reading, file);
     for (node, mesh) in shown {
         let id = mesh.element.element_id;
-        if !parts.contains_key(&id) {
-            let name = [&mesh.element.name, &node.element.name].into_iter().find(|name| !name.is_empty());
-            parts.insert(id, add_parts(reading.path(), mesh, &mut scene, &mut loaded.warnings)?);
-            loaded
-                .mesh_names
-                .resize(scene.meshes.len(), name.map_or_else(String::new, |name| name.to_string()));
-        }
-        for (slot, part) in &parts[&id] {
+        let of_mesh = match parts.entry(id) {
+            Entry::Occupied(known) => known.into_mut(),
+            Entry::Vacant(new) => {
+                let added = add_parts(reading.path(), mesh, &mut scene, &mut loaded.warnings)?;
+                let name = [&mesh.element.name, &node.element.name].into_iter().find(|name| !name.is_empty());
+                let name = name.map_or_else(String::new, |name| name.to_string());
+                loaded.mesh_names.resize(scene.meshes.len(), name);
+                new.insert(added)
+            }
+        };
+        for (slot, part) in of_mesh.iter() {
             let is_colored = !scene.meshes[*part].colors().is_empty();
             let material = node.materials.get(*slot).or(mesh.materials.get(*slot));
             let material = materials.add((material.map(|m| &**m), is_colored), &mut loaded.warnings);
