@@ -31,7 +31,7 @@ features: ## Check the library and the command without their cargo features
 
 campaign: tools ## Run the tests that take minutes each, in release builds; see also faults, fuzz, memory, brute-force and same-bytes
 	cargo test -p taotie-io --no-default-features --config "profile.dev.package.taotie-io.opt-level=0" --test features
-	cargo check -p taotie --no-default-features --features basis,exr
+	cargo check -p taotie --no-default-features --features basis,exr,fbx
 	cargo check -p taotie --no-default-features --features avif,draco,webp
 	cargo test --release --workspace --lib --bins --tests -- --ignored
 

@@ -11,7 +11,7 @@ import json
 import subprocess
 import sys
 
-MODELS = (".glb", ".gltf", ".obj", ".ply", ".stl")
+MODELS = (".fbx", ".glb", ".gltf", ".obj", ".ply", ".stl")
 
 
 def main(arguments: list[str]) -> int:

@@ -276,7 +276,7 @@ def load(
     allow_outside: bool = False,
     progress: Progress = None,
 ) -> Model:
-    """Read a model: glTF, GLB, OBJ, PLY or STL.
+    """Read a model: glTF, GLB, OBJ, PLY, STL or FBX.
 
     Parameters
     ----------

@@ -300,7 +300,7 @@ def verify(asset: str | os.PathLike[str], scan: Any, **options: Unpack[VerifyOpt
     Parameters
     ----------
     asset : path
-        The asset (.gltf, .glb, .obj, .ply, .stl), at the position of the scan: glTF in metres if the scan's unit is
+        The asset (.gltf, .glb, .obj, .ply, .stl, .fbx), at the position of the scan: glTF in metres if the scan's unit is
         known, other formats in that unit.
     scan : path, Model, or a mesh of another package
         The scan that it should look like. It is read with the options of the bake, if the asset records them, unless

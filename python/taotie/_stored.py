@@ -25,7 +25,7 @@ __all__ = ["Keeper", "Stored", "is_url"]
 
 #: Formats that reference other files, and how many of their bytes can contain references.
 _NAMING = {".gltf": -1, ".mtl": -1, ".glb": 1 << 24, ".ply": 1 << 16}
-_MODELS = {".gltf", ".glb", ".obj", ".ply", ".stl"}
+_MODELS = {".gltf", ".glb", ".obj", ".ply", ".stl", ".fbx"}
 #: The files that the planning process reads.
 _BOOKS = {".toml", ".csv", ".jsonl"}
 #: Seconds between uploads of the manifest.

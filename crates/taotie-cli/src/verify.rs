@@ -24,10 +24,10 @@ Examples:
 #[derive(Args)]
 #[command(before_help = EXAMPLES)]
 pub struct VerifyArgs {
-    /// The asset (.gltf, .glb, .obj, .ply, .stl), in the position of the scan: glTF in metres if the scan's unit is
+    /// The asset (.gltf, .glb, .obj, .ply, .stl, .fbx), in the position of the scan: glTF in metres if the scan's unit is
     /// known, other formats in that unit. All of its levels of detail are compared
     pub asset: PathBuf,
-    /// The high-poly scan (.gltf, .glb, .obj, .ply, .stl). It is read as it was for the bake, if the asset records
+    /// The high-poly scan (.gltf, .glb, .obj, .ply, .stl, .fbx). It is read as it was for the bake, if the asset records
     /// that; scan options override the record
     #[arg(long, value_name = "SCAN")]
     pub scan: PathBuf,

@@ -41,7 +41,7 @@ light and camera with the mouse, a finger or the keyboard.";
 #[derive(Args)]
 #[command(before_help = EXAMPLES)]
 pub struct ViewArgs {
-    /// The model: .gltf, .glb, .obj, .ply or .stl
+    /// The model: .gltf, .glb, .obj, .ply, .stl or .fbx
     pub model: PathBuf,
     /// The page to write: .html [default: a temporary file, which is opened]
     #[arg(short, long, value_name = "PAGE")]

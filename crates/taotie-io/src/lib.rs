@@ -9,6 +9,8 @@
 
 mod bitmap;
 pub mod cache;
+#[cfg(all(feature = "fbx", not(target_family = "wasm")))]
+mod fbx;
 mod file;
 mod gltf;
 mod json;
@@ -58,7 +60,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use taotie_engine::error::{Error, Result};
 
-/// Reads a model by its extension: `gltf`, `glb`, `obj`, `ply` or `stl`, in any case; its finest level of detail. If
+/// Reads a model by its extension: `gltf`, `glb`, `obj`, `ply`, `stl` or `fbx`, in any case; its finest level of detail. If
 /// the first bytes of the file contradict the extension, the bytes take precedence.
 ///
 /// # Errors
@@ -101,6 +103,10 @@ fn read(format: Format, reading: &Arc<Reading>) -> Result<Loaded> {
         Format::Obj => obj::read(reading),
         Format::Ply => ply::read(reading),
         Format::Stl => stl::read(reading),
+        #[cfg(all(feature = "fbx", not(target_family = "wasm")))]
+        Format::Fbx => fbx::read(reading),
+        #[cfg(not(all(feature = "fbx", not(target_family = "wasm"))))]
+        Format::Fbx => Err(Error::needs_feature(format!("{}: FBX", reading.path().display()), "fbx")),
     }
 }
 
@@ -199,13 +205,14 @@ enum Format {
     Obj,
     Ply,
     Stl,
+    Fbx,
 }
 
 impl Format {
     /// Returns the total bytes needed per byte of the file; `None` if this depends on the content.
     fn unpacked(self) -> Option<u64> {
         match self {
-            Self::Gltf | Self::Stl => None,
+            Self::Gltf | Self::Stl | Self::Fbx => None,
             Self::Obj | Self::Ply => Some(4),
         }
     }
@@ -222,9 +229,10 @@ fn format_of(path: &Path) -> Result<Format> {
         "obj" => Ok(Format::Obj),
         "ply" => Ok(Format::Ply),
         "stl" => Ok(Format::Stl),
+        "fbx" => Ok(Format::Fbx),
         _ => Err(Error::unsupported(
             format!("{}: the file extension '{extension}'", path.display()),
-            "use .gltf, .glb, .obj, .ply or .stl",
+            "use .gltf, .glb, .obj, .ply, .stl or .fbx",
         )),
     }
 }
@@ -237,6 +245,9 @@ fn format_from_content(start: &[u8]) -> Option<Format> {
     }
     if start.starts_with(b"ply\n") || start.starts_with(b"ply\r") {
         return Some(Format::Ply);
+    }
+    if start.starts_with(b"Kaydara FBX Binary") || text.starts_with(b"; FBX ") {
+        return Some(Format::Fbx);
     }
     None
 }
@@ -257,8 +268,11 @@ mod tests {
         assert_eq!(write("b.STL", b"ply\nformat ascii 1.0\n").unwrap(), Format::Ply);
         assert_eq!(write("c.GLTF", b"").unwrap(), Format::Gltf);
         assert_eq!(write("d.Obj", b"v 0 0 0").unwrap(), Format::Obj);
-        let error = write("e.fbx", b"Kaydara").unwrap_err().to_string();
-        assert!(error.contains("'fbx'") && error.contains(".glb"), "{error}");
+        assert_eq!(write("e.obj", b"Kaydara FBX Binary  \0").unwrap(), Format::Fbx);
+        assert_eq!(write("f.txt", b"; FBX 7.4.0 project file\n").unwrap(), Format::Fbx);
+        assert_eq!(write("g.FBX", b"").unwrap(), Format::Fbx);
+        let error = write("h.usd", b"PXR-USDC").unwrap_err().to_string();
+        assert!(error.contains("'usd'") && error.contains(".glb"), "{error}");
     }
 
     #[test]

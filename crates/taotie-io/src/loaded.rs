@@ -14,7 +14,7 @@ pub struct Loaded {
     pub scene: Scene,
     /// Notes on content that was invalid or ignored, but not essential for rendering.
     pub warnings: Warnings,
-    /// The format read: `glTF`, `GLB`, `OBJ`, `PLY` or `STL`.
+    /// The format read: `glTF`, `GLB`, `OBJ`, `PLY`, `STL` or `FBX`.
     pub format: &'static str,
     /// The program that wrote the file, if the file specifies it.
     pub generator: Option<String>,

@@ -41,6 +41,11 @@ fn required_extensions_name_their_feature() {
     assert_said("Draco", load_model(own("meshes/patch-draco-sequential.glb")), draco);
 }
 
+#[test]
+fn fbx_names_its_feature() {
+    assert_said("FBX", load_model(own("meshes/panel.fbx")), ("fbx", cfg!(feature = "fbx")));
+}
+
 /// Formats without a feature are read in every build.
 #[test]
 fn the_rest_is_read_always() {

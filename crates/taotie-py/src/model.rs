@@ -172,7 +172,7 @@ impl Model {
         Ok(bounds.map(|bounds| [bounds.min.to_array(), bounds.max.to_array()]))
     }
 
-    /// The source format: `glTF`, `GLB`, `OBJ`, `PLY`, `STL`, or `arrays`.
+    /// The source format: `glTF`, `GLB`, `OBJ`, `PLY`, `STL`, `FBX`, or `arrays`.
     fn format(&self) -> &'static str {
         self.loaded.format
     }

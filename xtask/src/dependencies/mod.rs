@@ -58,7 +58,7 @@ mod tests {
         let compiled = table.lines().filter(|line| line.contains("| yes |"));
         let names: Vec<&str> = compiled.filter_map(|line| line.split(' ').nth(1)).collect();
         // `re_rav1d` would compile assembly, which its feature `asm` asks for.
-        assert_eq!(names, ["libwebp-sys", "meshopt", "re_rav1d", "zstd-sys"]);
+        assert_eq!(names, ["libwebp-sys", "meshopt", "re_rav1d", "ufbx", "zstd-sys"]);
         assert!(table.contains("\n| rayon-core | "), "{table}");
         assert!(!table.contains("| taotie"), "{table}");
     }

@@ -34,7 +34,7 @@ pub struct Found {
 }
 
 /// The file extensions of models, in lower case.
-const MODEL_EXTENSIONS: [&str; 5] = ["gltf", "glb", "obj", "ply", "stl"];
+const MODEL_EXTENSIONS: [&str; 6] = ["gltf", "glb", "obj", "ply", "stl", "fbx"];
 
 /// Why a link is not followed.
 const LOOP: &str = "the link leads back to a folder above it";
@@ -75,7 +75,7 @@ pub fn find(sources: &[Spanned<Source>], folder: &Path, output: &Path) -> Result
     match search.found.is_empty() {
         true => Err(Error::invalid(
             "[[source]]",
-            "no models found; models are .gltf, .glb, .obj, .ply and .stl files",
+            "no models found; models are .gltf, .glb, .obj, .ply, .stl and .fbx files",
         )),
         false => Ok(Found { scans: search.found.into_values().collect(), warnings: search.warnings }),
     }

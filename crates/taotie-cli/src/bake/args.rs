@@ -32,7 +32,7 @@ state its normal error in degrees, its shape error, and where they occur.";
 #[derive(Args)]
 #[command(before_help = EXAMPLES)]
 pub struct BakeArgs {
-    /// The high-poly scan (.gltf, .glb, .obj, .ply, .stl)
+    /// The high-poly scan (.gltf, .glb, .obj, .ply, .stl, .fbx)
     pub high: PathBuf,
     /// The asset to write: .glb, or .gltf with its files next to it. A .png, .tiff, .exr, .tga, .dds or .webp gets only the maps, for a
     /// --low with UVs: the first (by default the normal map) in OUT, the others next to it, such as OUT.ao.png.

@@ -73,7 +73,7 @@ const NOT_OF_PAPER: [&str; 45] = [
 #[derive(Args)]
 #[command(before_help = EXAMPLES)]
 pub struct CompareArgs {
-    /// The model: .gltf, .glb, .obj, .ply or .stl
+    /// The model: .gltf, .glb, .obj, .ply, .stl or .fbx
     #[arg(required_unless_present = "paper")]
     pub model: Option<PathBuf>,
     /// Folder to write to; created if missing

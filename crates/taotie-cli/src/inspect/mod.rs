@@ -38,7 +38,7 @@ Counted as defects:
 #[derive(Args)]
 #[command(before_help = EXAMPLES)]
 pub struct InspectArgs {
-    /// The model: .gltf, .glb, .obj, .ply or .stl
+    /// The model: .gltf, .glb, .obj, .ply, .stl or .fbx
     pub model: PathBuf,
     /// Print the report as JSON
     #[arg(long)]

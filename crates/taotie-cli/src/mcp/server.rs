@@ -22,7 +22,7 @@ use serde_json::Value;
 use std::time::Duration;
 use tokio::sync::Semaphore;
 
-const INSTRUCTIONS: &str = "Taotie bakes high-poly scans (.gltf, .glb, .obj, .ply, .stl) to small glTF assets, renders \
+const INSTRUCTIONS: &str = "Taotie bakes high-poly scans (.gltf, .glb, .obj, .ply, .stl, .fbx) to small glTF assets, renders \
     them, and measures in degrees how close they are. Paths are absolute, or relative to the first allowed folder. \
     `bake` and `verify` report a verdict with the value of each requirement: state these figures, not impressions of \
     the pictures.";

@@ -57,7 +57,7 @@ pub struct NormalsArgs {
     #[arg(long, value_enum, help_heading = "Heights")]
     pub border: Option<Border>,
 
-    /// The model that the map is for, needed between tangent and object space (.gltf, .glb, .obj, .ply, .stl)
+    /// The model that the map is for, needed between tangent and object space (.gltf, .glb, .obj, .ply, .stl, .fbx)
     #[arg(long, value_name = "MODEL", help_heading = "Mesh")]
     pub mesh: Option<PathBuf>,
     /// The mesh of the model, by name or number as listed by `inspect`; needed if there are several

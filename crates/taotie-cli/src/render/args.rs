@@ -25,11 +25,11 @@ Examples:
   taotie render model.glb --turntable 36 -o turn.png
   taotie render model.glb --animation Walk --fps 24 -o walk.gif";
 
-/// Renders a model (glTF, GLB, OBJ, PLY, STL) to a picture (PNG, EXR) or an animation (PNG, GIF).
+/// Renders a model (glTF, GLB, OBJ, PLY, STL, FBX) to a picture (PNG, EXR) or an animation (PNG, GIF).
 #[derive(Args)]
 #[command(before_help = EXAMPLES)]
 pub struct RenderArgs {
-    /// The model: .gltf, .glb, .obj, .ply or .stl
+    /// The model: .gltf, .glb, .obj, .ply, .stl or .fbx
     pub model: PathBuf,
     /// The picture to write: .png (sRGB) or .exr (linear). With several pictures, a .png or .gif holds them as an
     /// animation, and numbered pictures are written next to it

@@ -23,7 +23,7 @@ reads, and index.html, which explains how to bind them.";
 #[derive(Args)]
 #[command(before_help = EXAMPLES)]
 pub struct ShaderArgs {
-    /// The model: .gltf, .glb, .obj, .ply or .stl [default: a plain material]
+    /// The model: .gltf, .glb, .obj, .ply, .stl or .fbx [default: a plain material]
     pub model: Option<PathBuf>,
     /// Folder to write to; created if missing
     #[arg(short, long, value_name = "DIR")]

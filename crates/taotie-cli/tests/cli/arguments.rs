@@ -317,10 +317,10 @@ taotie: error: none.glb: [..] (os error 2)
 #[test]
 fn a_model_of_an_unknown_format() {
     refused(
-        &Place::with("a.fbx", "Kaydara"),
-        "render a.fbx -o a.png",
+        &Place::with("a.usd", "PXR-USDC"),
+        "render a.usd -o a.png",
         str![[r#"
-taotie: error: a.fbx: the file extension 'fbx' is not supported: use .gltf, .glb, .obj, .ply or .stl
+taotie: error: a.usd: the file extension 'usd' is not supported: use .gltf, .glb, .obj, .ply, .stl or .fbx
 
 "#]],
     );

@@ -21,6 +21,7 @@ mod device;
 mod diff;
 mod environment;
 mod examples;
+mod fbx;
 #[path = "../../../../tests/common/glb.rs"]
 mod glb;
 mod help;

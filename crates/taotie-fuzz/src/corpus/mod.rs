@@ -72,7 +72,7 @@ mod tests {
             let path = folder.path().join(&seed.name);
             std::fs::write(&path, &seed.bytes).unwrap();
             let result = match seed.extension().as_str() {
-                "gltf" | "glb" | "obj" | "ply" | "stl" => load_model(&path).map(drop),
+                "gltf" | "glb" | "obj" | "ply" | "stl" | "fbx" => load_model(&path).map(drop),
                 "toml" => MaterialFile::choose(&path.to_string_lossy()).map(drop),
                 "provenance" => Packing { provenance: Some(path), ..Packing::default() }.check(),
                 "environment" => Environment::from_bytes(&seed.bytes).map(drop),

@@ -46,6 +46,8 @@ pub fn scans() -> Vec<Seed> {
         Seed::single("big.ply", ply(&ball, true)),
         Seed::single("text.stl", FACETS),
         Seed::single("binary.stl", stl(&ball)),
+        Seed::single("text.fbx", &include_bytes!("../../../../tests/data/meshes/panel.fbx")[..]),
+        Seed::single("binary.fbx", &include_bytes!("../../../../tests/data/meshes/blender.fbx")[..]),
     ]
 }
 

@@ -24,6 +24,8 @@ pub enum Target {
     Ply,
     /// STL.
     Stl,
+    /// FBX, binary and ASCII.
+    Fbx,
     /// PNG, JPEG, WebP, AVIF, OpenEXR, KTX2, Radiance HDR, TGA, TIFF and DDS.
     Picture,
     /// Environments from OpenEXR and Radiance HDR.
@@ -53,6 +55,7 @@ impl Target {
             Self::Mtl => &["mtl"],
             Self::Ply => &["ply"],
             Self::Stl => &["stl"],
+            Self::Fbx => &["fbx"],
             Self::Picture => {
                 &["png", "jpg", "jpeg", "webp", "avif", "exr", "ktx2", "hdr", "tga", "tiff", "dds"]
             }
@@ -62,7 +65,7 @@ impl Target {
             Self::Provenance => &["provenance"],
             Self::Options => &["options"],
             Self::Light => &["light"],
-            Self::Bake | Self::Render => &["gltf", "glb", "obj", "ply", "stl"],
+            Self::Bake | Self::Render => &["gltf", "glb", "obj", "ply", "stl", "fbx"],
         };
         extensions.contains(&seed.extension().as_str())
     }
@@ -83,7 +86,7 @@ impl Target {
     /// The broken promise. Panics are left to the caller.
     pub fn run(self, subject: &Subject<'_>) -> Held {
         match self {
-            Self::Gltf | Self::Obj | Self::Ply | Self::Stl => read::model(subject.path),
+            Self::Gltf | Self::Obj | Self::Ply | Self::Stl | Self::Fbx => read::model(subject.path),
             Self::Mtl => read::materials(subject.path),
             Self::Picture => read::picture(subject.path),
             Self::Environment => read::environment(subject),

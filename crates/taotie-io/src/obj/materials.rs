@@ -1,7 +1,7 @@
 //! Converts MTL materials to the scene's, with the images that they refer to.
 
-use super::super::bitmap::{combined, read_map, texture};
-use super::super::reading::{Reading, find};
+use super::super::bitmap::{combined, decode_within, read_map, texture};
+use super::super::reading::{Reading, Reason, find};
 use super::super::text::quote;
 use super::mtl::{Channel, Map, Mtl};
 use std::collections::{HashMap, HashSet};
@@ -25,7 +25,7 @@ pub(crate) fn neutral(name: &str) -> Material {
 /// Kd is the base colour, taken as linear. Roughness is Pr, or follows from Ns by α² = 2/(Ns + 2); a map of roughness
 /// or metalness replaces its number, as in Blender. Opacity is d, or 1 − Tr. Ka, Kd, Ks and Ns are kept for the
 /// classic models. A zero colour with a texture is read as one: exporters write it to mean "see texture".
-pub(super) fn material(mtl: &Mtl, textures: &mut Textures, warnings: &mut Warnings) -> Material {
+pub(crate) fn material(mtl: &Mtl, textures: &mut Textures, warnings: &mut Warnings) -> Material {
     let mut m = Material {
         metallic: mtl.metallic.unwrap_or(0.0).clamp(0.0, 1.0),
         classic: Classic {
@@ -64,7 +64,7 @@ fn texture_ref(texture: usize, map: &Map) -> TextureRef {
     let ([su, sv], [ou, ov]) = (map.scale, map.offset);
     TextureRef {
         texture,
-        uv_set: 0,
+        uv_set: map.uv_set,
         sampler: Sampler { wrap_u: wrap, wrap_v: wrap, ..Sampler::default() },
         // Written for a bottom-left origin: v' = 1 − (sv·(1 − v) + ov) from the top.
         transform: UvTransform { linear: [[su, 0.0], [0.0, sv]], offset: [ou, 1.0 - sv - ov] },
@@ -247,10 +247,12 @@ fn height_map(
 /// Maximum number of missing files that are named individually.
 const NAMED: usize = 64;
 
-/// The textures of a scene under construction. Each image that MTL files refer to is read once.
-pub(super) struct Textures<'a> {
-    /// The reading of the OBJ file.
+/// The textures of a scene under construction. Each image that materials refer to is read once.
+pub(crate) struct Textures<'a> {
+    /// The reading of the model.
     reading: &'a Reading,
+    /// The images in the model's file, by the name under which maps refer to them.
+    pub embedded: HashMap<String, &'a [u8]>,
     /// The textures, which materials refer to by index.
     pub list: Vec<Texture>,
     /// The source files of each texture.
@@ -264,9 +266,10 @@ pub(super) struct Textures<'a> {
 }
 
 impl<'a> Textures<'a> {
-    pub(super) fn new(reading: &'a Reading) -> Self {
+    pub(crate) fn new(reading: &'a Reading) -> Self {
         Self {
             reading,
+            embedded: HashMap::new(),
             list: Vec::new(),
             names: Vec::new(),
             files: Vec::new(),
@@ -329,22 +332,13 @@ impl<'a> Textures<'a> {
         if self.missing.contains(&name) {
             return None;
         }
-        let why = match find(&map.file, &[folder, self.reading.folder()], self.reading) {
-            Ok(None) => {
-                self.missing_files.push(map.file.clone());
-                "file not found".to_owned()
-            }
-            Err(why) => {
-                self.missing_files.push(map.file.clone());
-                why
-            }
-            Ok(Some(path)) => {
-                self.files.push(path.clone());
-                match read_map(&path, self.reading) {
-                    Ok(bitmap) => return Some(bitmap),
-                    Err(error) => error.to_string(),
-                }
-            }
+        let read = match self.embedded.get(&map.file) {
+            Some(bytes) => self.decoded(bytes, &map.file),
+            None => self.file(map, folder),
+        };
+        let why = match read {
+            Ok(bitmap) => return Some(bitmap),
+            Err(why) => why,
         };
         self.missing.insert(name);
         let what = if self.missing.len() > NAMED {
@@ -354,6 +348,26 @@ impl<'a> Textures<'a> {
         };
         warnings.note(what, 1);
         None
+    }
+
+    /// Reads the file of `map`.
+    fn file(&mut self, map: &Map, folder: &Path) -> Reason<Bitmap> {
+        match find(&map.file, &[folder, self.reading.folder()], self.reading) {
+            Ok(Some(path)) => {
+                self.files.push(path.clone());
+                read_map(&path, self.reading).map_err(|error| error.to_string())
+            }
+            absent => {
+                self.missing_files.push(map.file.clone());
+                Err(absent.err().unwrap_or_else(|| "file not found".to_owned()))
+            }
+        }
+    }
+
+    /// Decodes an image in the model's file.
+    fn decoded(&self, bytes: &[u8], name: &str) -> Reason<Bitmap> {
+        let last = name.rsplit(['/', '\\']).next().unwrap_or(name);
+        decode_within(bytes, last, self.reading.path(), self.reading).map_err(|error| error.to_string())
     }
 
     /// Returns `true` if the image of `map` could be read, after it was requested.

@@ -10,15 +10,18 @@ mod mtl;
 mod parse;
 mod statements;
 
-pub(super) use materials::neutral;
+#[cfg(all(feature = "fbx", not(target_family = "wasm")))]
+pub(super) use materials::material;
+pub(super) use materials::{Textures, neutral};
+#[cfg(all(feature = "fbx", not(target_family = "wasm")))]
+pub(super) use mtl::Map;
+pub(super) use mtl::Mtl;
 
 use super::loaded::{Loaded, checked};
 use super::polygon::{Cutter, Outline};
 use super::reading::{Reading, find};
 use super::text::{quote, read_text};
 use content::{Corner, Face, Mark, NONE, Obj, Walk, joined};
-use materials::Textures;
-use mtl::Mtl;
 use std::collections::HashMap;
 use taotie_engine::error::{Result, Warnings};
 use taotie_engine::math::srgb::linear_from_srgb;

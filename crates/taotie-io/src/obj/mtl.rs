@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use taotie_engine::error::Warnings;
 use taotie_engine::scene::UvTransform;
 
-/// One material of an MTL file. Absent values are `None`.
+/// One material of an MTL file, or of another format in its terms. Absent values are `None`.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct Mtl {
+pub(crate) struct Mtl {
     /// The name after `newmtl`; may contain spaces, may be empty.
     pub name: String,
     /// The folder of the MTL file.
@@ -48,7 +48,7 @@ pub(super) struct Mtl {
 
 /// A texture statement.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Map {
+pub(crate) struct Map {
     /// The name as written, with either kind of slash.
     pub file: String,
     /// The scale, -s, first two numbers.
@@ -63,11 +63,13 @@ pub(super) struct Map {
     pub channel: Option<Channel>,
     /// `true` if -colorspace is linear.
     pub linear: bool,
+    /// The uv set; always 0 in MTL files.
+    pub uv_set: usize,
 }
 
 /// The channel of an image that is read as a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Channel {
+pub(crate) enum Channel {
     /// The red, green, blue or alpha channel, as 0 to 3.
     Stored(usize),
     /// The mean of red, green and blue.
@@ -149,15 +151,7 @@ fn number(rest: &str) -> Option<f32> {
 
 /// Reads options and a file name, which may contain spaces; options may also follow the name.
 fn map(rest: &str) -> Option<Map> {
-    let mut map = Map {
-        file: String::new(),
-        scale: [1.0; 2],
-        offset: [0.0; 2],
-        clamp: false,
-        bump: 1.0,
-        channel: None,
-        linear: false,
-    };
+    let mut map = Map::new(String::new());
     let mut rest = rest.trim();
     while let Some(after) = map.option(rest) {
         rest = after;
@@ -192,6 +186,20 @@ fn trailing_options(rest: &str) -> usize {
 }
 
 impl Map {
+    /// Creates a map of a file without options.
+    pub fn new(file: String) -> Self {
+        Self {
+            file,
+            scale: [1.0; 2],
+            offset: [0.0; 2],
+            clamp: false,
+            bump: 1.0,
+            channel: None,
+            linear: false,
+            uv_set: 0,
+        }
+    }
+
     /// Reads one option from the start of `rest` and returns the words that follow it, or `None` if there is none.
     fn option<'a>(&mut self, rest: &'a str) -> Option<&'a str> {
         let (option, mut rest) = next_word(rest)?;

@@ -17,6 +17,8 @@ mod rich;
 mod validator;
 
 mod animation;
+#[cfg(feature = "fbx")]
+mod fbx;
 mod geometry;
 mod gltf_alpha_modes;
 mod gltf_levels;

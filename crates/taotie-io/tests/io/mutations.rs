@@ -112,6 +112,13 @@ fn damaged_stl() {
     torment_alone("a.stl", &binary);
 }
 
+#[cfg(feature = "fbx")]
+#[test]
+fn damaged_fbx() {
+    torment_alone("a.fbx", include_bytes!("../../../../tests/data/meshes/panel.fbx"));
+    torment_alone("a.fbx", include_bytes!("../../../../tests/data/meshes/blender.fbx"));
+}
+
 /// A triangle whose positions are the nine words of 0, 0, 0; 1, 0, 0; 0, 1, 0 and padded indices 0, 1, 2. It has a
 /// skin and a morph target, both animated; the positions serve as times and values too.
 const GLTF: &str = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],

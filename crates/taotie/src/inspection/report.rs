@@ -23,7 +23,7 @@ use taotie_io::{GltfSizes, Loaded, XmpEvent, xmp_history, xmp_rights, xmp_source
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 #[non_exhaustive]
 pub struct Inspection {
-    /// `glTF`, `GLB`, `OBJ`, `PLY` or `STL`.
+    /// `glTF`, `GLB`, `OBJ`, `PLY`, `STL` or `FBX`.
     pub format: String,
     /// The program that wrote the file.
     pub generator: Option<String>,

@@ -10,7 +10,7 @@ use super::pictures::{
 use super::shown::{ShownLevel, stacked};
 use crate::asset::ask::{Requirement, pixels_across};
 use crate::asset::bake::{Made, assign_object_map};
-use crate::asset::source::{Scan, all_files, from_metres, is_gltf, is_in_scan_unit};
+use crate::asset::source::{Scan, all_files, from_metres, is_gltf, is_in_scan_unit, stated_unit};
 use crate::asset::write::{MapNote, WrittenAsset, codes_of_normals, maps_alone};
 use std::path::{Path, PathBuf};
 use taotie_engine::bake::{self, TexelChecks};
@@ -101,8 +101,10 @@ pub fn verify(
         Requirement::check_unit(&options.requirements, unit)?;
         progress.begin("read back")?;
         let mut levels = taotie_io::load_levels_within(&path, &scan.limits)?;
-        if let Some(finest) = levels.first().filter(|finest| is_gltf(finest.format)) {
-            refuse_scan_unit(&finest.scene, &scan, &path)?;
+        if let Some((finest, stated)) =
+            levels.first().and_then(|finest| Some((finest, stated_unit(finest.format)?)))
+        {
+            refuse_scan_unit((&finest.scene, stated), &scan, &path)?;
             into_scan_space(&mut levels, unit)?;
         }
         let files = levels.iter().flat_map(|level| &level.files).cloned().collect();
@@ -117,21 +119,21 @@ pub fn verify(
     })
 }
 
-/// Refuses a glTF asset that is not in metres.
-fn refuse_scan_unit(asset: &Scene, scan: &Scan, path: &Path) -> Result<()> {
+/// Refuses an asset that is not in the unit that it states, as a text.
+fn refuse_scan_unit((asset, stated): (&Scene, &str), scan: &Scan, path: &Path) -> Result<()> {
     match is_in_scan_unit(asset, scan) {
         None => Ok(()),
         Some(unit) => {
             let why = format!(
-                "glTF is in metres, but its size shows that it is in {unit} like the scan; scale it to metres, or \
-                 specify no unit for the scan"
+                "{stated}, but its size shows that it is in {unit} like the scan; scale it to metres, or specify no unit \
+                 for the scan"
             );
             Err(Error::invalid(path.display().to_string(), why))
         }
     }
 }
 
-/// Transforms all levels of a glTF asset into the space of a scan in this unit.
+/// Transforms all levels of an asset in metres into the space of a scan in this unit.
 fn into_scan_space(levels: &mut [Loaded], unit: Option<Unit>) -> Result<()> {
     levels.iter_mut().try_for_each(|level| from_metres(&mut level.scene, unit))
 }

@@ -1,10 +1,10 @@
 //! Model files given for a scan: read into its space, and kept as they are except for what is baked into their
 //! materials.
 //!
-//! glTF is in metres. If the scan is in another unit, it is converted to the scan's space on reading, and back in
-//! assets.
+//! glTF and FBX are read in metres. If the scan is in another unit, they are converted to the scan's space on reading,
+//! and back in assets.
 
-use super::scan::{Scan, all_files, check_extent, is_gltf};
+use super::scan::{Scan, all_files, check_extent, is_gltf, stated_unit};
 use crate::asset::ask::{BakeOptions, MeshSource};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -27,6 +27,8 @@ pub(super) struct Read {
     pub moving: Option<&'static str>,
     /// `true` for glTF, which an asset can keep.
     pub is_gltf: bool,
+    /// How its format states the unit, if it does.
+    pub stated_unit: Option<&'static str>,
     /// `true` if it is in metres, and was converted to the space of a scan in another unit.
     pub is_in_metres: bool,
     /// `true` if it has XMP metadata.
@@ -56,18 +58,16 @@ impl Read {
     }
 }
 
-/// Reads a given mesh into the scan's space. glTF is in metres unless its size shows that it is in the scan's unit,
-/// which is noted.
+/// Reads a given mesh into the scan's space. Files that state their unit are in metres unless their size shows that they
+/// are in the scan's unit, which is noted.
 pub(super) fn read(source: &MeshSource, scan: &Scan, warnings: &mut Warnings) -> Result<Read> {
     let mut read = as_it_is(source, scan.limits, warnings)?;
-    if !read.is_gltf {
-        return Ok(read);
-    }
+    let Some(stated) = read.stated_unit else { return Ok(read) };
     match is_in_scan_unit(&read.scene, scan) {
         Some(unit) => {
             let name = source.name().unwrap_or_default();
             let what = format!(
-                "{name}: glTF is in metres, but its size shows that it is in {unit} like the scan; read as such"
+                "{name}: {stated}, but its size shows that it is in {unit} like the scan; read as such"
             );
             warnings.note(what, 1);
         }
@@ -86,7 +86,19 @@ fn as_it_is(source: &MeshSource, limits: Limits, warnings: &mut Warnings) -> Res
             check_extent(&scene, "the low-poly mesh")?;
             let (names, objects, files) = (Vec::new(), Vec::new(), Vec::new());
             let (is_gltf, is_in_metres, has_xmp) = (false, false, false);
-            Ok(Read { scene, moving: None, is_gltf, is_in_metres, has_xmp, names, objects, limits, files })
+            let stated_unit = None;
+            Ok(Read {
+                scene,
+                moving: None,
+                is_gltf,
+                stated_unit,
+                is_in_metres,
+                has_xmp,
+                names,
+                objects,
+                limits,
+                files,
+            })
         }
         MeshSource::File(path) => {
             let mut loaded = taotie_io::load_model_within(path, &limits)?;
@@ -99,6 +111,7 @@ fn as_it_is(source: &MeshSource, limits: Limits, warnings: &mut Warnings) -> Res
                 scene: loaded.scene,
                 moving,
                 is_gltf,
+                stated_unit: stated_unit(loaded.format),
                 is_in_metres: false,
                 has_xmp,
                 names,
@@ -266,7 +279,9 @@ pub(super) fn kept(
         check(source.gltf(), read.limits)?;
         note(read, options, warnings);
     }
-    Ok(Some(Document { source, whole: None, limits: read.limits, is_in_metres: read.is_in_metres }))
+    // A file that is converted has been transformed into the scan's space.
+    let is_in_metres = read.is_in_metres && read.is_gltf;
+    Ok(Some(Document { source, whole: None, limits: read.limits, is_in_metres }))
 }
 
 /// Converts a file in another format to a GLB; meshes without normals get them.
@@ -476,7 +491,19 @@ mod tests {
         let (scene, limits) = (scene.unwrap(), Limits::default());
         let (is_in_metres, has_xmp) = (false, false);
         let (names, objects, files) = (Vec::new(), Vec::new(), Vec::new());
-        Read { scene, moving: None, is_gltf: true, is_in_metres, has_xmp, names, objects, limits, files }
+        let (is_gltf, stated_unit) = (true, None);
+        Read {
+            scene,
+            moving: None,
+            is_gltf,
+            stated_unit,
+            is_in_metres,
+            has_xmp,
+            names,
+            objects,
+            limits,
+            files,
+        }
     }
 
     fn hindrance(read: &Read, options: &BakeOptions) -> String {

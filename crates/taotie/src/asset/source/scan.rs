@@ -104,7 +104,7 @@ pub struct Scan {
 }
 
 impl ScanFile {
-    /// Reads a model: glTF, GLB, OBJ, PLY or STL.
+    /// Reads a model: glTF, GLB, OBJ, PLY, STL or FBX.
     ///
     /// # Errors
     /// [`Error::Cancelled`]; those of [`taotie_io::load_model`]; [`Error::Limit`] if the file does not fit in memory;
@@ -162,7 +162,7 @@ impl ScanFile {
             xmp: (!loaded.xmp.is_empty()).then(|| loaded.xmp.swap_remove(0)),
             warnings: loaded.warnings,
             options: ScanOptions {
-                unit: is_gltf(loaded.format).then_some(Unit::Metre),
+                unit: stated_unit(loaded.format).map(|_| Unit::Metre),
                 ..ScanOptions::default()
             },
             ..About::of(&loaded.scene, path)
@@ -386,6 +386,15 @@ fn correct(scene: &mut Scene, about: &mut About) -> Result<()> {
 /// Returns `true` if a model of this format, as [`taotie_io::Loaded`] names it, is glTF.
 pub(in crate::asset) fn is_gltf(format: &str) -> bool {
     ["glTF", "GLB"].contains(&format)
+}
+
+/// Returns how a format states the unit of lengths, which are then read as metres; `None` if it does not.
+pub(in crate::asset) fn stated_unit(format: &str) -> Option<&'static str> {
+    match format {
+        "glTF" | "GLB" => Some("glTF is in metres"),
+        "FBX" => Some("FBX states its unit"),
+        _ => None,
+    }
 }
 
 /// Returns a model's file and all others that it was read from, without duplicates.

@@ -3,7 +3,7 @@
 
 use crate::asset::ask::{BakeOptions, Channels, Lod, MeshSource, Packing, RayDistance, requirement};
 use crate::asset::bake::Made;
-use crate::asset::source::{ScanOptions, is_gltf};
+use crate::asset::source::{ScanOptions, stated_unit};
 use serde_json::Value;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -154,7 +154,7 @@ impl ScanOptions {
     }
 }
 
-/// Returns the unit of a model's coordinates: the metre for glTF, unless it is an asset baked from a scan with an
+/// Returns the unit of a model's coordinates: the metre for glTF and FBX, unless it is an asset baked from a scan with an
 /// unknown unit; `None` if unknown.
 ///
 /// ```
@@ -168,7 +168,7 @@ impl ScanOptions {
 pub fn model_unit(model: &Loaded) -> Option<Unit> {
     let recorded = model.xmp.first().and_then(Parameters::recorded);
     let is_unknown = recorded.is_some_and(|Parameters(all)| all.get("unit").is_some_and(Value::is_null));
-    (is_gltf(model.format) && !is_unknown).then_some(Unit::Metre)
+    stated_unit(model.format).filter(|_| !is_unknown).map(|_| Unit::Metre)
 }
 
 impl fmt::Display for Parameters {
