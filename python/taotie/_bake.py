@@ -26,6 +26,8 @@ STAGES = {
     "read the scan": 0.05,
     "join the scan": 0.05,
     "inspect the scan": 0.05,
+    "measure the noise": 0.01,
+    "remove the noise": 0.1,
     "read the low-poly mesh": 0.02,
     "search": 0.3,
     "simplify": 0.2,
@@ -313,6 +315,7 @@ def bake(
     ray_distance: float | Literal["auto"] = "auto",
     cage: Any = None,
     match: Literal["by-name", "nearest"] = "by-name",
+    noise: Literal["keep", "remove"] | None = None,
     crease_angle: float | None = None,
     scan_green: Literal["auto", "up", "down"] = "auto",
     unit: Unit | None = None,
@@ -376,6 +379,9 @@ def bake(
     match : {"by-name", "nearest"}
         Which objects of the scan an object of the low-poly mesh shows. By name, ``X_low`` shows only ``X_high``, if
         such names exist.
+    noise : {"keep", "remove"}, optional
+        Measure the scan's noise, and keep or remove it; with remove, everything is made from the scan without it, and
+        the proof still compares with the scan as given. By default it is kept and not measured.
     crease_angle : float, optional
         As in `load`; defaults to the value that the scan was loaded with.
     scan_green : {"auto", "up", "down"}
@@ -427,6 +433,8 @@ def bake(
         raise invalid("cage", "it defines how far rays reach; omit ray_distance")
     if match not in ("by-name", "nearest"):
         raise invalid(f"match {match!r}", "expected one of: by-name, nearest")
+    if noise not in (None, "keep", "remove"):
+        raise invalid(f"noise {noise!r}", "expected one of: keep, remove")
     options = {
         "low": low_file,
         "triangles": 50_000 if triangles is None else triangles,
@@ -447,6 +455,7 @@ def bake(
         "roughness": roughness,
         "by_name": match == "by-name",
         "ray_distance": _distance(ray_distance, cage_file),
+        "noise": noise,
         "inspect": True,
     }
     request = {

@@ -252,6 +252,7 @@ impl BakeArgs {
             roughness: self.roughness,
             by_name: self.matching == Match::ByName,
             ray_distance: self.ray_distance(),
+            noise: self.noise,
             inspect: !self.no_verify,
             ..BakeOptions::default()
         }

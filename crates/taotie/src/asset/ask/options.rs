@@ -10,6 +10,7 @@ use taotie_engine::bake::{MapContent, MapKind};
 use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::mesh::Mesh;
 use taotie_engine::scene::{GreenChannel, NormalSpace};
+use taotie_engine::surface::NoiseHandling;
 use taotie_io::{CodecKind, CodecSet, GltfFormat, TextureCodecs, VertexBits, XmpProperties};
 
 /// A mesh provided by the caller.
@@ -144,6 +145,10 @@ pub struct BakeOptions {
     pub by_name: bool,
     /// The distance within which the scan is searched for.
     pub ray_distance: RayDistance,
+    /// What happens to the scan's noise. If it is removed, everything is made from the scan without it: a search too
+    /// compares its candidates with that, but the proof compares with the scan as given. `None` keeps it and does not
+    /// measure it.
+    pub noise: Option<NoiseHandling>,
     /// `true` if the scan is checked for faults: open edges, duplicate triangles.
     pub inspect: bool,
 }
@@ -174,6 +179,7 @@ impl Default for BakeOptions {
             roughness: None,
             by_name: true,
             ray_distance: RayDistance::Auto,
+            noise: None,
             inspect: true,
         }
     }

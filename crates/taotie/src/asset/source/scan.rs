@@ -15,6 +15,7 @@ use taotie_engine::length::Unit;
 use taotie_engine::mesh::Mesh;
 use taotie_engine::progress::Progress;
 use taotie_engine::scene::{Material, Scene};
+use taotie_engine::surface::{Denoised, Noise, NoiseHandling};
 use taotie_io::{FileHash, Limits, Loaded};
 
 /// The properties of a scan besides its triangles.
@@ -59,6 +60,13 @@ impl About {
     pub fn sha256(&self) -> Result<String> {
         self.hash.as_ref().map_or(Ok(String::new()), FileHash::get)
     }
+}
+
+/// The noise of a scan.
+pub(in crate::asset) struct ScanNoise {
+    pub noise: Noise,
+    /// The angle by which its removal turned the normal of each vertex, degrees; empty if it was kept.
+    pub angles: Vec<f32>,
 }
 
 /// A scan as stored in its file, not yet merged into one mesh, so that the needs of a bake can be estimated.
@@ -325,6 +333,39 @@ impl Scan {
     /// [`Error::Io`] if the file can no longer be read.
     pub fn sha256(&self) -> Result<String> {
         self.about.sha256()
+    }
+
+    /// Measures its noise, and removes it if requested; returns the scan to make the asset from.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`].
+    pub(in crate::asset) fn settle_noise(
+        self,
+        handling: NoiseHandling,
+        warnings: &mut Warnings,
+        progress: Progress<'_>,
+    ) -> Result<(Self, Option<ScanNoise>)> {
+        let progress = progress.begin("measure the noise")?;
+        let Some(noise) = Noise::of(self.mesh()) else {
+            let what = match handling {
+                NoiseHandling::Keep => {
+                    "noise not measured: the scan has too few vertices with enough neighbours"
+                }
+                NoiseHandling::Remove => {
+                    "noise neither measured nor removed: the scan has too few vertices with enough neighbours"
+                }
+            };
+            warnings.note(what, 1);
+            return Ok((self, None));
+        };
+        if handling == NoiseHandling::Keep {
+            return Ok((self, Some(ScanNoise { noise, angles: Vec::new() })));
+        }
+        let Denoised { mesh, change, angles } =
+            noise.remove(self.mesh(), progress.begin("remove the noise")?)?;
+        let surface = Arc::new(self.surface.in_shape(mesh));
+        let noise = Noise { removed: Some(change), ..noise };
+        Ok((Self { surface, sorted: Arc::default(), ..self }, Some(ScanNoise { noise, angles })))
     }
 
     /// Frees the tree, and moves the triangles out unless a clone of this scan still holds them.

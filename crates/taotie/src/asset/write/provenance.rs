@@ -12,6 +12,7 @@ use taotie_engine::error::Result;
 use taotie_engine::length::Unit;
 use taotie_engine::names::Named;
 use taotie_engine::scene::{GreenChannel, NormalSpace};
+use taotie_engine::surface::NoiseHandling;
 use taotie_io::{Json, Limits, Loaded, Provenance, XmpProperties};
 
 /// The options and packing of a bake, as a JSON document.
@@ -65,6 +66,9 @@ struct Fields<'a> {
     by_name: Option<bool>,
     /// The name of the cage's file; `None` without a cage.
     cage: Option<String>,
+    /// `remove` if the scan's noise was removed; `None` if not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    noise: Option<NoiseHandling>,
     /// The formats of the textures, as for `--images`.
     images: String,
     /// The formats that the search may choose from.
@@ -192,6 +196,7 @@ impl Parameters {
             ray_distance: auto(distance),
             by_name: (!options.by_name).then_some(false),
             cage: cage.and_then(MeshSource::name),
+            noise: options.noise.filter(|handling| *handling == NoiseHandling::Remove),
             images: packing.images.to_string(),
             image_formats: options.images.iter().map(|kind| kind.name()).collect(),
             meshopt: packing.meshopt,
