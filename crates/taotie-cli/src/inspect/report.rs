@@ -10,7 +10,6 @@ use taotie::inspection::{
     AnimationReport, Counts, Extent, Inspection, Listed, MaterialReport, MeshReport, NormalMapReport,
     Normals, TangentHealth, TextureReport,
 };
-use taotie_engine::length::ShownLength;
 use taotie_engine::names::Named;
 use taotie_engine::surface::GreenVerdict;
 use taotie_io::{GltfSizes, XmpEvent};
@@ -58,7 +57,6 @@ pub fn text(printed: &Report) -> String {
         ("Meshes", meshes(&report.meshes)),
         ("Uv sets", uv_sets(&report.meshes)),
         ("Tangents of the file", tangents(&report.meshes)),
-        ("Noise", noise(&report.meshes)),
         ("Materials", materials(&report.materials)),
         ("Lights", named(&report.lights)),
         ("Cameras", named(&report.cameras)),
@@ -162,17 +160,6 @@ fn meshes(meshes: &[MeshReport]) -> String {
             yes_or_no(mesh.colors),
             numbered(&mesh.materials),
         ]);
-    }
-    table.filled_lines(2)
-}
-
-/// Returns the noise of meshes that look like scans.
-fn noise(meshes: &[MeshReport]) -> String {
-    let mut table = Table::new(&[">#", "mesh", ">standard deviation", ">shortest wavelength"]);
-    for (index, mesh) in meshes.iter().enumerate() {
-        let Some(noise) = &mesh.noise else { continue };
-        let length = |length: f64| ShownLength::of(length, None, 3).to_string();
-        table.row([index.to_string(), short(&mesh.name), length(noise.sigma), length(noise.scale)]);
     }
     table.filled_lines(2)
 }

@@ -4,6 +4,8 @@ use super::bake::number;
 use super::balls::SCAN;
 use super::place::Place;
 use serde_json::Value;
+use taotie_engine::Warnings;
+use taotie_io::{encode_scene, load_model};
 
 /// Returns a hexagonal prism as STL, whose facets are intended.
 fn prism() -> String {
@@ -52,7 +54,7 @@ fn options_of_the_scan_that_cannot_be_are_refused() {
         ("--crease-angle sharp", "expected an angle in degrees"),
         ("--crease-angle 30 --flat", "cannot be used with"),
         ("--scan-green left", "invalid value 'left'"),
-        ("--noise smooth", "unknown handling of noise `smooth`; expected one of: keep, remove"),
+        ("--noise smooth", "unknown handling of noise `smooth`: expected one of: keep, remove"),
     ];
     for (options, words) in cases {
         let assert = place.taotie(&format!("bake nut.stl -o out.glb {options}")).assert().code(2);
@@ -108,13 +110,29 @@ fn noise_is_measured_and_removed_only_if_asked() {
     let mean = |asset: &str, scan: &str| {
         let assert = place.taotie(&format!("verify {asset}.glb --scan {scan}.obj --json")).assert().success();
         let report: Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
-        number(&report, "/proof/levels/0/overview/angles/mean")
+        number(&report, "/proof/levels/0/overview/angles/summary/mean")
     };
-    let of_report = number(&removed, "/proof/levels/0/overview/angles/mean");
+    let of_report = number(&removed, "/proof/levels/0/overview/angles/summary/mean");
     assert_eq!(mean("removed", "scan"), of_report, "the proof is against the scan as given");
     assert!(of_report > 0.5 * angle, "{of_report} {angle}");
     let [kept, removed] = ["kept", "removed"].map(|asset| mean(asset, "clean"));
     assert!(removed < 0.75 * kept, "{removed} {kept}");
+}
+
+/// A packed glTF scan is not its file, which has the noise.
+#[test]
+fn a_search_packs_the_scan_without_its_noise() {
+    let place = Place::with("scan.obj", with_noise(&SCAN.obj(), 0.004));
+    let scene = load_model(place.path("scan.obj")).unwrap().scene;
+    place.write("scan.glb", encode_scene(&scene, &["ball".into()], &mut Warnings::default()).unwrap());
+    let line = "bake scan.glb -o out.glb --error 0.1 --noise remove --no-verify --json";
+    let assert = place.taotie(line).assert().success();
+    let report: Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
+    assert!(number(&report, "/noise/removed/mean_deg") > 1.0, "{}", report["noise"]);
+    let trials = report["trials"].as_array().unwrap();
+    let packed = trials.iter().filter(|trial| trial["is_scan"] == true);
+    let nearest = packed.map(|trial| number(trial, "/mean_angle")).fold(f64::INFINITY, f64::min);
+    assert!(nearest < 0.1, "{nearest}");
 }
 
 #[test]

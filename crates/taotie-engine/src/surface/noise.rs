@@ -103,12 +103,12 @@ impl Noise {
             let spread = Spread::of(fit.freedom)?;
             (fit.freedom >= LEAST_FREEDOM)
                 .then(|| (fit.variance / spread.quantile(CALM_Z)).max(0.0).sqrt())
-                .map(|sigma| (sigma, surroundings.median_edge(place, &around.near)))
+                .map(|sigma| (sigma, surroundings.edges(place, &around.near)))
         });
-        let (mut sigmas, mut edges): (Vec<f64>, Vec<f64>) = measured.into_iter().flatten().unzip();
+        let (mut sigmas, edges): (Vec<f64>, Vec<Vec<f64>>) = measured.into_iter().flatten().unzip();
         (sigmas.len() >= ENOUGH).then(|| Self {
             sigma: quantile(&mut sigmas, CALM),
-            scale: 2.0 * quantile(&mut edges, 0.5),
+            scale: 2.0 * quantile(&mut edges.concat(), 0.5),
             removed: None,
         })
     }
@@ -300,12 +300,10 @@ impl<'a> Surroundings<'a> {
         (found.len() <= MOST).then_some(())
     }
 
-    /// Returns the median distance from a place to its neighbours.
-    fn median_edge(&self, place: u32, near: &[u32]) -> f64 {
+    /// Returns the distances from a place to its neighbours.
+    fn edges(&self, place: u32, near: &[u32]) -> Vec<f64> {
         let others = near.iter().filter(|other| **other != place);
-        let mut lengths: Vec<f64> =
-            others.map(|other| (self.position(*other) - self.position(place)).length()).collect();
-        quantile(&mut lengths, 0.5)
+        others.map(|other| (self.position(*other) - self.position(place)).length()).collect()
     }
 
     /// Returns the value of each place.

@@ -143,7 +143,7 @@ fn known_noise_is_measured_and_its_removal_halves_it() {
                     "{name} {n}: σ {part} edges, measured × {ratio:.3}, removal: rms ÷ {gain:.2}, normals {angles:.2?}°"
                 );
                 assert!((ratio - 1.0).abs() < 0.2, "{name} {n} {part}: {ratio}");
-                assert!((noise.scale / (2.0 * edge) - 1.0).abs() < 0.15, "{name}: {}", noise.scale / edge);
+                assert!((noise.scale / (2.0 * edge) - 1.0).abs() < 0.1, "{name}: {}", noise.scale / edge);
                 assert!(gain > 1.7 && angles[1] < 0.65 * angles[0], "{name} {n} {part}: {gain}, {angles:?}");
             }
         }

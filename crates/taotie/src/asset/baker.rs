@@ -225,7 +225,9 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
     let (carried, left) = match packed {
         Some(asset) => {
             options.maps.clear();
-            warnings = warnings_of_packed_scan(&warnings);
+            if !scan.is_denoised {
+                warnings = warnings_of_packed_scan(&warnings);
+            }
             document = Some(Document::of_packed(asset.glb, limits));
             (about.carried.found.iter().map(|found| found.property).collect(), Vec::new())
         }

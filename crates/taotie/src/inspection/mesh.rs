@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use taotie_engine::math::{Vec2, Vec3, scalar};
 use taotie_engine::mesh::Mesh;
 use taotie_engine::scene::{NormalSpace, Scene};
-use taotie_engine::surface::{Noise, TangentMethod, looks_scanned, uv_derivatives, with_tangents};
+use taotie_engine::surface::{TangentMethod, uv_derivatives, with_tangents};
 use taotie_io::Loaded;
 
 /// A mesh: its size and its faults.
@@ -42,9 +42,6 @@ pub struct MeshReport {
     pub uv_sets: Vec<UvHealth>,
     /// The indices of the materials of its instances.
     pub materials: Vec<usize>,
-    /// The noise of its vertices, in its own space; `None` unless it looks like a scan, from 131,072 triangles.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub noise: Option<Noise>,
 }
 
 /// The kind of normals that a mesh has.
@@ -88,7 +85,6 @@ fn report(loaded: &Loaded, index: usize, materials: Vec<usize>) -> MeshReport {
         tangents: TangentHealth::of(mesh, uv_set),
         uv_sets: (0..mesh.uvs().len()).map(|set| UvHealth::of(mesh, set)).collect(),
         materials,
-        noise: looks_scanned(mesh).unwrap_or_default().then(|| Noise::of(mesh)).flatten(),
     }
 }
 

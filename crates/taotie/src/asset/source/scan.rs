@@ -106,6 +106,8 @@ pub struct Scan {
     surface: Arc<TexturedMesh>,
     /// The surface sorted for rays; empty until needed.
     sorted: Arc<OnceLock<bake::Scan>>,
+    /// `true` if its noise was removed, so that it is not as in its file.
+    pub(in crate::asset) is_denoised: bool,
     pub(in crate::asset) about: Arc<About>,
     /// The limits within which it was read, and for other inputs of a bake of it.
     pub(in crate::asset) limits: Limits,
@@ -225,7 +227,7 @@ impl ScanFile {
             let Self { mut scene, mut about, limits } = self;
             correct(&mut scene, &mut about)?;
             let surface = Arc::new(bake::Scan::surface_of(scene)?);
-            Ok(Scan { surface, sorted: Arc::default(), about: Arc::new(about), limits })
+            Ok(Scan { surface, sorted: Arc::default(), is_denoised: false, about: Arc::new(about), limits })
         })
     }
 }
@@ -365,7 +367,8 @@ impl Scan {
             noise.remove(self.mesh(), progress.begin("remove the noise")?)?;
         let surface = Arc::new(self.surface.in_shape(mesh));
         let noise = Noise { removed: Some(change), ..noise };
-        Ok((Self { surface, sorted: Arc::default(), ..self }, Some(ScanNoise { noise, angles })))
+        let scan = Self { surface, sorted: Arc::default(), is_denoised: true, ..self };
+        Ok((scan, Some(ScanNoise { noise, angles })))
     }
 
     /// Frees the tree, and moves the triangles out unless a clone of this scan still holds them.
