@@ -5,6 +5,7 @@ use super::balls::SCAN;
 use super::place::Place;
 use serde_json::Value;
 use taotie_engine::Warnings;
+use taotie_engine::scene::{Material, Scene};
 use taotie_io::{encode_scene, load_model};
 
 /// Returns a hexagonal prism as STL, whose facets are intended.
@@ -123,7 +124,9 @@ fn noise_is_measured_and_removed_only_if_asked() {
 #[test]
 fn a_search_packs_the_scan_without_its_noise() {
     let place = Place::with("scan.obj", with_noise(&SCAN.obj(), 0.004));
-    let scene = load_model(place.path("scan.obj")).unwrap().scene;
+    let mesh = load_model(place.path("scan.obj")).unwrap().scene.meshes()[0].clone();
+    let red = Material { base_color: [0.8, 0.1, 0.1, 1.0], ..Material::default() };
+    let scene = Scene::of_mesh(mesh, red).unwrap();
     place.write("scan.glb", encode_scene(&scene, &["ball".into()], &mut Warnings::default()).unwrap());
     let line = "bake scan.glb -o out.glb --error 0.1 --noise remove --no-verify --json";
     let assert = place.taotie(line).assert().success();
