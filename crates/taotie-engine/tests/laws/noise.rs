@@ -10,8 +10,8 @@ use taotie_engine::surface::{Noise, by_position, vertex_normals};
 
 type V = Vec3<f64>;
 
-/// A surface over a grid of `n`² squares of [−1, 1]², irregular: vertices off the border are moved by up to 0.3 of a square, and
-/// each square has a random diagonal. Vertices of several grids coincide at equal positions.
+/// A surface over a grid of `n`² squares of [−1, 1]², irregular: vertices off the border are moved by up to 0.3 of a
+/// square, and each square has a random diagonal. Vertices of several grids coincide at equal positions.
 fn grid(data: &mut MeshData, n: u32, random: &mut Random, surface: &dyn Fn(f64, f64) -> V) {
     let first = data.positions.len() as u32;
     for (j, i) in (0..=n).flat_map(|j| (0..=n).map(move |i| (j, i))) {

@@ -101,10 +101,10 @@ impl Baker {
 
     /// Bakes a scan: simplifies and unwraps it, or takes the given mesh; bakes the maps; measures the result.
     ///
-    /// The listener receives the stages `read the low-poly mesh`, `inspect the scan`, `measure the noise` and `remove the
-    /// noise` if requested, `simplify`, `sort the scan` if
-    /// no earlier bake did so, `fit normals`, `unwrap`, `tangents`, `measure the gap`, `bake`, `store` and `levels of
-    /// detail`, and is asked about every 20 ms whether to continue.
+    /// The listener receives the stages `read the low-poly mesh`, `inspect the scan`, `measure the noise` and
+    /// `remove the noise` if requested, `simplify`, `sort the scan` if no earlier bake did so, `fit normals`,
+    /// `unwrap`, `tangents`, `measure the gap`, `bake`, `store` and `levels of detail`, and is asked about every 20 ms
+    /// whether to continue.
     ///
     /// # Errors
     /// [`Error::Cancelled`](crate::Error::Cancelled); those of [`BakeOptions::check`] and of reading the files named
