@@ -19,7 +19,7 @@ use crate::parallel;
 use crate::progress::Progress;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-/// What happens to the noise of a scan.
+/// How the noise of a scan is handled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum NoiseHandling {
@@ -160,6 +160,15 @@ impl Noise {
             None => 0.0,
         }
     }
+}
+
+/// Returns the bytes needed for removing the noise of a mesh, in addition to the mesh and the result.
+pub fn denoising_bytes(triangles: u64, vertices: u64) -> u64 {
+    /// The corners in groups by position.
+    const TRIANGLE: u64 = 12;
+    /// Classes of equal vertices, the starts of the groups, displacements, positions, normals before and after.
+    const VERTEX: u64 = 24 + 8 + 8 + 12 + 24;
+    triangles * TRIANGLE + vertices * (VERTEX + size_of::<Weighted>() as u64)
 }
 
 /// Returns the mesh with other positions, with its normals and tangents turned by as much as the surface does; given its

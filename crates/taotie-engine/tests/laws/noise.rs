@@ -195,7 +195,7 @@ fn relief_above_the_noise_is_kept() {
     }
 }
 
-/// Edges of a cube are no rounder after the removal, and no vertex of an open border leaves it.
+/// The removal does not round the edges of a cube, and no vertex of an open border leaves it.
 #[test]
 fn creases_and_borders_stay() {
     let clean = cube(32);

@@ -145,9 +145,9 @@ pub struct BakeOptions {
     pub by_name: bool,
     /// The distance within which the scan is searched for.
     pub ray_distance: RayDistance,
-    /// What happens to the scan's noise. If it is removed, everything is made from the scan without it: a search too
-    /// compares its candidates with that, but the proof compares with the scan as given. `None` keeps it and does not
-    /// measure it.
+    /// Whether to keep or remove the scan's noise. If it is removed, everything is made from the scan without it: a
+    /// search too compares its candidates with that, but the proof compares with the scan as given. `None` keeps it and
+    /// does not measure it.
     pub noise: Option<NoiseHandling>,
     /// `true` if the scan is checked for faults: open edges, duplicate triangles.
     pub inspect: bool,

@@ -4,7 +4,7 @@ use crate::asset::ask::{BakeOptions, Packing};
 use crate::asset::source::ScanSize;
 use taotie_engine::bake::{MapContent, MapKind, Maps, bytes_of_bands};
 use taotie_engine::error::{Error, Result};
-use taotie_engine::surface::NoiseHandling;
+use taotie_engine::surface::{NoiseHandling, denoising_bytes};
 use taotie_io::{Bytes, CodecKind, ImageCodec, Limits, TextureCodecs};
 
 /// The peak memory of a bake: the scan with its textures, sorted for rays, and maps; or, if that is more, that of
@@ -35,7 +35,7 @@ pub struct MemoryEstimate {
     pub low_triangles: u64,
     /// `true` if the scan is inspected.
     pub inspects: bool,
-    /// What happens to the scan's noise; `None` if it is not measured.
+    /// Whether the scan's noise is kept or removed; `None` if it is not measured.
     pub noise: Option<NoiseHandling>,
     /// Texels of a map.
     pub texels: u64,
@@ -132,20 +132,14 @@ impl MemoryEstimate {
     fn lightening(&self) -> u64 {
         /// The memory of simplification per triangle: joined vertices, blocks, and the half that remains of them.
         const SIMPLIFYING: u64 = 24;
-        /// The scan's edges and triangles in groups, used to find its faults.
+        /// The scan's edges and triangles in groups, used to find its faults and to measure its noise.
         const INSPECTING: u64 = 40;
-        /// Its triangles in groups, and the surfaces fitted to its vertices.
-        const MEASURING_NOISE: u64 = 40;
-        const REMOVING_NOISE: u64 = 130;
         let simplifying = if self.simplifies { SIMPLIFYING } else { 0 };
-        let inspecting = if self.inspects { INSPECTING } else { 0 };
-        let of_noise = self.noise.map_or(0, |handling| match handling {
-            NoiseHandling::Keep => MEASURING_NOISE,
-            NoiseHandling::Remove => REMOVING_NOISE,
-        });
+        let inspecting = if self.inspects || self.noise.is_some() { INSPECTING } else { 0 };
+        let [denoised, denoising] = self.denoised();
         let scan = if self.is_sorted { self.scan.bytes() } else { self.scan.mesh_bytes() };
-        let working = self.scan.triangles * simplifying.max(inspecting).max(of_noise);
-        scan.saturating_add(self.denoised()).saturating_add(working)
+        let working = (self.scan.triangles * simplifying.max(inspecting)).max(denoising);
+        scan.saturating_add(denoised).saturating_add(working)
     }
 
     /// Returns the bytes while the scan is sorted and maps are baked.
@@ -156,15 +150,18 @@ impl MemoryEstimate {
         // Materials are baked one after the other.
         let stored = self.stored_of(self.materials.saturating_sub(1));
         let maps = (self.texels * self.texel_bytes).saturating_add(self.band_bytes);
-        let scan = self.scan.bytes().saturating_add(self.denoised());
+        let scan = self.scan.bytes().saturating_add(self.denoised()[0]);
         scan.saturating_add(sorting.max(maps)).saturating_add(stored)
     }
 
-    /// Returns the bytes of the scan without its noise, next to the scan as given; 0 if the noise is kept.
-    fn denoised(&self) -> u64 {
-        match self.noise {
-            Some(NoiseHandling::Remove) => self.scan.mesh_bytes() - self.scan.texture_bytes,
-            _ => 0,
+    /// Returns the bytes of the scan without its noise, next to the scan as given, and those to make it; zeros if the
+    /// noise is kept.
+    fn denoised(&self) -> [u64; 2] {
+        match (self.noise, self.scan) {
+            (Some(NoiseHandling::Remove), ScanSize { triangles, vertices, texture_bytes, .. }) => {
+                [self.scan.mesh_bytes() - texture_bytes, denoising_bytes(triangles, vertices)]
+            }
+            _ => [0; 2],
         }
     }
 

@@ -150,7 +150,7 @@ impl Setting {
 }
 
 /// Returns pictures of an angle for each vertex of a mesh, degrees, from the front and from the back, with `side` pixels
-/// along a side; NaN beside the mesh.
+/// along a side; NaN elsewhere.
 ///
 /// # Errors
 /// Those of rendering.

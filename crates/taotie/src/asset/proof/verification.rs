@@ -53,7 +53,7 @@ pub struct Proof {
     /// texture or half its median edge, as in [`Resolution`](super::Resolution). `None` if the asset has no textures.
     pub detail_map: Option<Field>,
     /// The angle between the normals of the scan as given and without its noise, degrees, from the front and from the
-    /// back; NaN beside it. Empty if no noise was removed, or if [`VerifyOptions::map`] is 0.
+    /// back; NaN elsewhere. Empty if no noise was removed, or if [`VerifyOptions::map`] is 0.
     pub noise_maps: Vec<Field>,
     /// Scan and asset from all sides, in one grey material.
     pub views: Views,
