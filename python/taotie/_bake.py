@@ -26,6 +26,8 @@ STAGES = {
     "read the scan": 0.05,
     "join the scan": 0.05,
     "inspect the scan": 0.05,
+    "measure the noise": 0.01,
+    "remove the noise": 0.1,
     "read the low-poly mesh": 0.02,
     "search": 0.3,
     "simplify": 0.2,
@@ -317,6 +319,7 @@ def bake(
     new_uvs: bool = False,
     ray_colors: bool = False,
     skew: str | os.PathLike[str] = "auto",
+    noise: Literal["keep", "remove"] | None = None,
     crease_angle: float | None = None,
     scan_green: Literal["auto", "up", "down"] = "auto",
     unit: Unit | None = None,
@@ -390,6 +393,9 @@ def bake(
         Skew correction. Auto: projection rays follow flat faces, except near their edges, where the scan does, so that
         relief is not shifted by averaged normals; keep: averaged normals everywhere; or a mask on the UVs of `low`:
         triangle normals where white. A cage overrides auto.
+    noise : {"keep", "remove"}, optional
+        Measure the scan's noise, and keep or remove it; with remove, everything is made from the scan without it, and
+        the proof still compares with the scan as given. By default it is kept and not measured.
     crease_angle : float, optional
         As in `load`; defaults to the value that the scan was loaded with.
     scan_green : {"auto", "up", "down"}
@@ -441,6 +447,8 @@ def bake(
         raise invalid("cage", "it defines how far rays reach; omit ray_distance")
     if match not in ("by-name", "nearest"):
         raise invalid(f"match {match!r}", "expected one of: by-name, nearest")
+    if noise not in (None, "keep", "remove"):
+        raise invalid(f"noise {noise!r}", "expected one of: keep, remove")
     options = {
         "low": low_file,
         "triangles": 50_000 if triangles is None else triangles,
@@ -466,6 +474,7 @@ def bake(
         "ray_colors": ray_colors,
         "straighten": skew != "keep",
         "skew_mask": None if skew in ("auto", "keep") else os.fspath(skew),
+        "noise": noise,
         "inspect": True,
     }
     request = {

@@ -101,6 +101,17 @@ def test_hard_edges_of_a_modelled_shape_are_kept_unless_asked_otherwise() -> Non
         tt.bake(cube, size=64, scan_green="left")  # type: ignore[arg-type]
 
 
+def test_noise_is_measured_and_removed_only_if_asked(scan: tt.Model, tmp_path: Path) -> None:
+    def written(**options: object) -> dict[str, object]:
+        asset = tt.bake(scan, triangles=300, size=64, **options)  # type: ignore[arg-type]
+        return asset.save(tmp_path / "asset.glb").report()
+
+    assert "noise" not in written()
+    assert "removed" not in written(noise="keep")["noise"]  # type: ignore[operator]
+    removed = written(noise="remove")["noise"]["removed"]  # type: ignore[index]
+    assert removed["rms"] >= 0 and 0 <= removed["mean_deg"] <= removed["p95_deg"]
+
+
 def test_the_unit_of_a_scan_makes_its_asset_metres(tmp_path: Path) -> None:
     scan = tt.Mesh(*sphere(64, 32))
     asset = tt.bake(scan, triangles=300, size=64, unit="cm")
@@ -155,6 +166,7 @@ def test_standalone_maps_of_several_materials_are_a_set_for_each(
         ({"size": (64, 32)}, "square"),
         ({"cage": "cage.glb", "ray_distance": 1.0}, "cage"),
         ({"memory_limit": "many"}, "many"),
+        ({"noise": "smooth"}, "keep, remove"),
     ],
 )
 def test_invalid_options_are_refused(scan: tt.Model, options: dict[str, object], words: str) -> None:

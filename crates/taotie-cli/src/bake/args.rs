@@ -10,6 +10,7 @@ use taotie::asset::{Channels, Lod, Preset, Requirement};
 use taotie_engine::Error;
 use taotie_engine::bake::MapKind;
 use taotie_engine::names::Named;
+use taotie_engine::surface::NoiseHandling;
 use taotie_io::{CodecKind, CodecSet, TextureCodecs};
 
 /// Options that fix what a search would choose.
@@ -48,6 +49,11 @@ pub struct BakeArgs {
     pub new_uvs: bool,
     #[command(flatten)]
     pub scan: ScanArgs,
+    /// Measure the scan's noise, and keep or remove it. With remove, everything is made from the scan without it: only
+    /// what its noise explains is smoothed, not relief or creases. The proof compares with the scan as given, so that
+    /// its errors include what was removed [default: kept, not measured]
+    #[arg(long, value_name = "keep|remove", value_parser = options::named::<NoiseHandling>, help_heading = "Scan")]
+    pub noise: Option<NoiseHandling>,
 
     /// Triangles of the low-poly mesh; turns the search off [default: 50000 if only size or packing is given]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..), help_heading = "Low-poly mesh", conflicts_with = "low")]

@@ -7,6 +7,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use taotie::asset::{BakeOptions, Lod, ScanSize, StageTime};
 use taotie_engine::bake::MapKind;
+use taotie_engine::surface::NoiseHandling;
 
 /// Shows the progress of stages and the time left of all of them, and measures their times.
 #[derive(Default)]
@@ -127,10 +128,13 @@ impl Work<'_> {
     fn making(&self) -> Vec<(&'static str, f64)> {
         let (scan, texels) = (self.scan, self.texels);
         let made = if self.options.low.is_none() { 1.0 } else { 0.0 };
+        let removes = self.options.noise == Some(NoiseHandling::Remove);
         vec![
             ("join the scan", 5.0 + 100.0 * scan),
             ("read the low-poly mesh", 10.0 * (1.0 - made)),
             ("inspect the scan", if self.options.inspect { 200.0 * scan } else { 0.0 }),
+            ("measure the noise", if self.options.noise.is_some() { 200.0 * scan } else { 0.0 }),
+            ("remove the noise", if removes { 1500.0 * scan } else { 0.0 }),
             ("simplify", 1200.0 * scan * made),
             ("sort the scan", 500.0 * scan),
             ("fit normals", 600.0 * made),

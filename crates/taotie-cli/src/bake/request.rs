@@ -282,6 +282,7 @@ impl BakeArgs {
             ray_colors: self.ray_colors,
             straighten: self.skew != Some(Skew::Keep),
             skew_mask: self.skew_mask().cloned(),
+            noise: self.noise,
             inspect: !self.no_verify,
             ..BakeOptions::default()
         }

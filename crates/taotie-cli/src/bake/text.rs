@@ -7,8 +7,9 @@ use taotie::asset::{
     Trial, ViewFigures, WorstParts,
 };
 use taotie_engine::compare::Summary;
-use taotie_engine::length::{ShownLength, place_text, texel_text};
+use taotie_engine::length::{ShownLength, Unit, place_text, texel_text};
 use taotie_engine::proof::{Region, WorstRegions};
+use taotie_engine::surface::{Noise, NoiseChange};
 use taotie_report::table::{Table, summary_text};
 
 /// Formats the report as aligned lines.
@@ -26,6 +27,10 @@ pub fn of(report: &Report) -> String {
     }
     if !report.carried.is_empty() {
         table.row(["carried".into(), report.carried.join(", ")]);
+    }
+    if let Some(noise) = &report.noise {
+        let unit = report.proof.as_ref().and_then(|figures| figures.unit);
+        table.row(["noise of the scan".into(), noise_text(noise, unit)]);
     }
     if let Some(figures) = &report.proof {
         if let Some(finest) = figures.finest() {
@@ -56,6 +61,20 @@ pub fn of(report: &Report) -> String {
         let _ = writeln!(text, "wrote {}", file.display());
     }
     text.trim_end().to_owned()
+}
+
+/// Returns the noise of the scan, and the change by its removal; lengths are in this unit.
+fn noise_text(noise: &Noise, unit: Option<Unit>) -> String {
+    let length = |length: f64| ShownLength::of(length, unit, 3);
+    let measured = format!("σ {}, from wavelengths of {} upwards", length(noise.sigma), length(noise.scale));
+    match &noise.removed {
+        None => format!("{measured}; kept"),
+        Some(NoiseChange { rms, mean_deg, p95_deg }) => format!(
+            "{measured}; removed: vertices moved by {} RMS, normals changed by mean {mean_deg:.3}°, p95 {p95_deg:.3}°, \
+             which the errors below include",
+            length(*rms)
+        ),
+    }
 }
 
 /// Returns a line about the chosen trial and the smallest of each other kind; `None` without a search.

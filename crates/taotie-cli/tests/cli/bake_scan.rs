@@ -1,6 +1,12 @@
 //! Options of `taotie bake` for reading a scan.
 
+use super::bake::number;
+use super::balls::SCAN;
 use super::place::Place;
+use serde_json::Value;
+use taotie_engine::Warnings;
+use taotie_engine::scene::{Material, Scene};
+use taotie_io::{encode_scene, load_model};
 
 /// Returns a hexagonal prism as STL, whose facets are intended.
 fn prism() -> String {
@@ -49,6 +55,7 @@ fn options_of_the_scan_that_cannot_be_are_refused() {
         ("--crease-angle sharp", "expected an angle in degrees"),
         ("--crease-angle 30 --flat", "cannot be used with"),
         ("--scan-green left", "invalid value 'left'"),
+        ("--noise smooth", "unknown handling of noise `smooth`: expected one of: keep, remove"),
     ];
     for (options, words) in cases {
         let assert = place.taotie(&format!("bake nut.stl -o out.glb {options}")).assert().code(2);
@@ -56,4 +63,86 @@ fn options_of_the_scan_that_cannot_be_are_refused() {
         assert!(said.contains(words), "{options}: {said}");
     }
     assert_eq!(place.files(), ["nut.stl"]);
+}
+
+/// Returns an OBJ file whose vertices are moved by noise of a known standard deviation, away from or to the origin.
+fn with_noise(obj: &str, sigma: f64) -> String {
+    let mut state = 1u64;
+    let mut random = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1u64 << 53) as f64
+    };
+    let mut moved = |line: &str| {
+        let Some(place) = line.strip_prefix("v ") else { return format!("{line}\n") };
+        let gauss: f64 = (0..12).map(|_| random() - 0.5).sum();
+        let numbers = place.split(' ').map(|number| number.parse::<f64>().unwrap() * (1.0 + sigma * gauss));
+        format!("v {}\n", numbers.map(|number| number.to_string()).collect::<Vec<_>>().join(" "))
+    };
+    obj.lines().map(&mut moved).collect()
+}
+
+/// Noise is measured if requested, its removal brings the asset nearer to the shape without it, and the proof compares
+/// with the scan as given.
+#[test]
+fn noise_is_measured_and_removed_only_if_asked() {
+    const SIGMA: f64 = 0.004;
+    let place = Place::with("clean.obj", SCAN.obj());
+    place.write("scan.obj", with_noise(&SCAN.obj(), SIGMA));
+    let bake = |name: &str, options: &str| {
+        let line = format!("bake scan.obj -o {name}.glb --triangles 3000 --size 512 {options}");
+        let assert = place.taotie(&line).assert().success();
+        let report: Value = serde_json::from_slice(&place.read(&format!("{name}.report.json"))).unwrap();
+        (String::from_utf8_lossy(&assert.get_output().stdout).into_owned(), report)
+    };
+    let (text, plain) = bake("plain", "");
+    assert!(!text.contains("noise") && plain.get("noise").is_none(), "{text}");
+    let (text, kept) = bake("kept", "--noise keep");
+    assert!(text.contains("noise of the scan") && text.contains("; kept"), "{text}");
+    assert!((number(&kept, "/noise/sigma") / SIGMA - 1.0).abs() < 0.2, "{}", kept["noise"]);
+    assert_eq!(place.read("kept.glb"), place.read("plain.glb"));
+    let (text, removed) = bake("removed", "--noise remove");
+    assert!(text.contains("; removed: vertices moved by ") && text.contains(", p95 "), "{text}");
+    let angle = number(&removed, "/noise/removed/mean_deg");
+    assert!(angle > 1.0 && number(&removed, "/noise/removed/rms") > 0.5 * SIGMA, "{}", removed["noise"]);
+    assert_eq!(removed["parameters"]["noise"], "remove");
+    let page = |name: &str| String::from_utf8_lossy(&place.read(&format!("{name}.report.html"))).into_owned();
+    assert!(page("removed").contains("removed noise") && !page("kept").contains("removed noise"));
+
+    let mean = |asset: &str, scan: &str| {
+        let assert = place.taotie(&format!("verify {asset}.glb --scan {scan}.obj --json")).assert().success();
+        let report: Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
+        number(&report, "/proof/levels/0/overview/angles/summary/mean")
+    };
+    let of_report = number(&removed, "/proof/levels/0/overview/angles/summary/mean");
+    assert_eq!(mean("removed", "scan"), of_report, "the proof is against the scan as given");
+    assert!(of_report > 0.5 * angle, "{of_report} {angle}");
+    let [kept, removed] = ["kept", "removed"].map(|asset| mean(asset, "clean"));
+    assert!(removed < 0.75 * kept, "{removed} {kept}");
+}
+
+/// A packed glTF scan is not its file, which has the noise.
+#[test]
+fn a_search_packs_the_scan_without_its_noise() {
+    let place = Place::with("scan.obj", with_noise(&SCAN.obj(), 0.004));
+    let mesh = load_model(place.path("scan.obj")).unwrap().scene.meshes()[0].clone();
+    let red = Material { base_color: [0.8, 0.1, 0.1, 1.0], ..Material::default() };
+    let scene = Scene::of_mesh(mesh, red).unwrap();
+    place.write("scan.glb", encode_scene(&scene, &["ball".into()], &mut Warnings::default()).unwrap());
+    let line = "bake scan.glb -o out.glb --error 0.1 --noise remove --no-verify --json";
+    let assert = place.taotie(line).assert().success();
+    let report: Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
+    assert!(number(&report, "/noise/removed/mean_deg") > 1.0, "{}", report["noise"]);
+    let trials = report["trials"].as_array().unwrap();
+    let packed = trials.iter().filter(|trial| trial["is_scan"] == true);
+    let nearest = packed.map(|trial| number(trial, "/mean_angle")).fold(f64::INFINITY, f64::min);
+    assert!(nearest < 0.1, "{nearest}");
+}
+
+#[test]
+fn noise_that_cannot_be_measured_is_reported() {
+    let place = Place::with("nut.stl", prism());
+    let line = "bake nut.stl -o out.glb --size 64 --no-verify --noise remove";
+    let assert = place.taotie(line).assert().success();
+    let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
+    assert!(said.contains("noise neither measured nor removed: the scan has too few vertices"), "{said}");
 }

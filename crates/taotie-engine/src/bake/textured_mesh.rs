@@ -44,6 +44,11 @@ impl TexturedMesh {
         &self.mesh
     }
 
+    /// Returns the surface in another shape: a mesh of the same triangles and vertices, of which some were moved.
+    pub fn in_shape(&self, mesh: Mesh) -> Self {
+        Self { mesh, appearance: self.appearance.clone() }
+    }
+
     /// Returns the material of a triangle.
     ///
     /// # Panics

@@ -9,6 +9,7 @@ mod creases;
 mod face_tangents;
 mod inspect;
 mod maps;
+mod noise;
 mod normals;
 mod tangents;
 mod weld;
@@ -23,6 +24,7 @@ pub use maps::{
     Relief, ReliefBase, bump, bump_printed, decode_normal, decode_object_normal, encode_normal,
     object_normal, rebuild_z, relief_normal, surface_gradient, tangent_normal, tangent_space_normal,
 };
+pub use noise::{Denoised, Noise, NoiseChange, NoiseHandling, denoising_bytes};
 pub use normals::{facet_normal, vertex_normals, with_normals};
 pub(crate) use normals::{mean_by_position, shared_by_position, with_normals_at};
 pub(crate) use tangents::{NO_UV_AREA, with_frames_at};

@@ -201,10 +201,13 @@ pub(super) fn unit(v: Vec3<f64>) -> Option<Vec3<f64>> {
 
 /// The angle at each corner of a triangle, in radians.
 pub(super) fn corner_angles([a, b, c]: [Vec3<f64>; 3]) -> [f64; 3] {
-    [(b - a, c - a), (c - b, a - b), (a - c, b - c)].map(|(a, b)| {
-        let (y, x) = tangent(a, b);
-        scalar::atan2(y, x)
-    })
+    [(b - a, c - a), (c - b, a - b), (a - c, b - c)].map(|(a, b)| angle(a, b))
+}
+
+/// The angle between two vectors, in radians.
+pub(super) fn angle(a: Vec3<f64>, b: Vec3<f64>) -> f64 {
+    let (y, x) = tangent(a, b);
+    scalar::atan2(y, x)
 }
 
 /// Numerator and denominator of the tangent of the angle between two vectors: Kahan's cross-product form, exact for

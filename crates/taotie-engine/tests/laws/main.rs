@@ -21,6 +21,7 @@ mod film;
 mod gradients;
 mod lane;
 mod maps;
+mod noise;
 mod pixel_gradients;
 mod rays;
 mod sampling;

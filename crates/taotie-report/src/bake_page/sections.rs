@@ -10,6 +10,7 @@ use taotie::asset::{
 use taotie_engine::compare::Summary;
 use taotie_engine::length::{ShownLength, Unit, dpi};
 use taotie_engine::proof::Estimate;
+use taotie_engine::surface::Noise;
 
 /// Builds all sections in order.
 pub fn sections(report: &Report, (proof, flips): (&Figures, &[PartFlip])) -> Vec<Section> {
@@ -28,6 +29,7 @@ pub fn sections(report: &Report, (proof, flips): (&Figures, &[PartFlip])) -> Vec
     }
     sections.extend(breakdown::levels(&proof.levels));
     sections.extend(report.bake.as_ref().map(|bake| rays(report, bake)));
+    sections.extend(report.noise.as_ref().map(|noise| scanner_noise(noise, proof.unit)));
     if !report.stages.is_empty() {
         sections.push(stages(report));
     }
@@ -260,6 +262,26 @@ fn rays(report: &Report, bake: &BakeFigures) -> Section {
         "Maps of {width} × {height} texels. {carried}A ray misses if it hits no surface of the scan that faces it."
     );
     numbers("The bake", &note, rows)
+}
+
+fn scanner_noise(noise: &Noise, unit: Option<Unit>) -> Section {
+    let length = |name, value| row_of_length(name, value, unit);
+    let mut rows = vec![
+        length("standard deviation of vertices along the normals", noise.sigma),
+        length("shortest wavelength that the vertices represent", noise.scale),
+    ];
+    let note = "Random differences between neighbouring vertices of the scan.";
+    let Some(removed) = &noise.removed else {
+        return numbers("Scanner noise", &format!("{note} The asset was made from the scan as given."), rows);
+    };
+    rows.push(length("displacement by its removal, root mean square", removed.rms));
+    rows.push(row_of_number("change of the normals by its removal, mean", removed.mean_deg, (3, "°")));
+    rows.push(row_of_number("change of the normals by its removal, 95 %", removed.p95_deg, (3, "°")));
+    let note = format!(
+        "{note} The asset was made from the scan without them. All other figures compare it with the scan as given, and \
+         thus include what was removed."
+    );
+    numbers("Scanner noise", &note, rows)
 }
 
 fn views(level: &LevelFigures) -> Section {

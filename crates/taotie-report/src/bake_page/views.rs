@@ -24,9 +24,9 @@ const MOST_COARSE: f32 = 8.0;
 const COLOR_TOP: f32 = 10.0;
 /// The maximum side of the picture of that map, pixels.
 const MOST_COLOR_SIDE: usize = 512;
-/// Possible values at the end of the colour scale of a patch: degrees or CIEDE2000.
+/// Possible values at the end of the colour scales of patches and of removed noise: degrees or CIEDE2000.
 const PATCH_TOPS: [f32; 6] = [1.0, 2.0, 5.0, 10.0, 20.0, 45.0];
-/// The end of that scale is at least this many times the mean of the patch.
+/// The end of that scale is at least this many times the mean.
 const OVER_MEAN: f64 = 3.0;
 
 /// Builds all views, one tab each.
@@ -43,6 +43,7 @@ pub(super) fn views(proof: &Proof, asset: Option<&Asset>) -> Result<Vec<View>> {
         views.push(color_errors(field)?);
     }
     views.extend(proof.detail_map.as_ref().map(lost_detail).transpose()?);
+    views.extend(removed_noise(&proof.noise_maps)?);
     for (material, textures) in asset.into_iter().flat_map(Asset::texture_sets) {
         views.extend(missed_rays(material, textures)?);
     }
@@ -63,8 +64,7 @@ fn patch_view(figures: &Figures, pictures: &PatchPictures) -> Result<View> {
         PatchQuantity::Angle => ("Worst patch: normals", "°", ColorMap::Viridis),
         PatchQuantity::Color => ("Worst patch: colours", "ΔE00", ColorMap::Viridis),
     };
-    let is_enough = |top: &&f32| f64::from(**top) >= patch.mean * OVER_MEAN;
-    let top = *PATCH_TOPS.iter().find(is_enough).unwrap_or(&PATCH_TOPS[PATCH_TOPS.len() - 1]);
+    let top = top_over(patch.mean);
     let (look, mean) = match of {
         PatchQuantity::Angle => ("in one grey material", format!("{:.2}°", patch.mean)),
         PatchQuantity::Color => ("in their own materials", format!("ΔE00 {:.2}", patch.mean)),
@@ -132,6 +132,31 @@ fn lost_detail(field: &Field) -> Result<View> {
         pictures: vec![Picture::new("lost detail", "", &heat.plain())?],
         legend: Some(Legend::new("Texel width by scan detail", " ×", f64::from(MOST_COARSE), ColorMap::Magma)),
     })
+}
+
+/// Builds the view that shows how much the removal of noise changed the scan; `None` if none was removed.
+fn removed_noise(maps: &[Field]) -> Result<Option<View>> {
+    let means = maps.iter().filter_map(|field| Some(field.summary()?.mean));
+    let top = top_over(means.fold(0.0, f64::max));
+    let pictures = maps.iter().zip(["front", "back"]).map(|(field, side)| {
+        let heat = HeatMap { field, title: "removed noise", unit: "°", map: ColorMap::Viridis, top };
+        Picture::new(side, "", &heat.plain())
+    });
+    let pictures = pictures.collect::<Result<Vec<_>>>()?;
+    Ok((!pictures.is_empty()).then(|| View {
+        name: "removed noise".into(),
+        note: "The angle between the normals of the scan as given and without its noise, from which the asset was \
+               made. All other comparisons are with the scan as given."
+            .into(),
+        pictures,
+        legend: Some(Legend::new("Change of the normals", "°", f64::from(top), ColorMap::Viridis)),
+    }))
+}
+
+/// Returns the end of a colour scale for degrees or CIEDE2000 with this mean.
+fn top_over(mean: f64) -> f32 {
+    let is_enough = |top: &&f32| f64::from(**top) >= mean * OVER_MEAN;
+    *PATCH_TOPS.iter().find(is_enough).unwrap_or(&PATCH_TOPS[PATCH_TOPS.len() - 1])
 }
 
 /// Builds the view of rays that missed the scan; `None` if none were recorded.

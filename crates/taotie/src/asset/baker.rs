@@ -101,9 +101,10 @@ impl Baker {
 
     /// Bakes a scan: simplifies and unwraps it, or takes the given mesh; bakes the maps; measures the result.
     ///
-    /// The listener receives the stages `read the low-poly mesh`, `inspect the scan`, `simplify`, `sort the scan` if
-    /// no earlier bake did so, `fit normals`, `unwrap`, `tangents`, `measure the gap`, `bake`, `store` and `levels of
-    /// detail`, and is asked about every 20 ms whether to continue.
+    /// The listener receives the stages `read the low-poly mesh`, `inspect the scan`, `measure the noise` and
+    /// `remove the noise` if requested, `simplify`, `sort the scan` if no earlier bake did so, `fit normals`,
+    /// `unwrap`, `tangents`, `measure the gap`, `bake`, `store` and `levels of detail`, and is asked about every 20 ms
+    /// whether to continue.
     ///
     /// # Errors
     /// [`Error::Cancelled`](crate::Error::Cancelled); those of [`BakeOptions::check`] and of reading the files named
@@ -200,6 +201,11 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
         progress.begin("inspect the scan")?;
         judgement::inspect(scan.mesh(), &mut of_scan);
     }
+    let (scan, noise) = match options.noise {
+        Some(handling) => scan.clone().settle_noise(handling, &mut warnings, progress)?,
+        None => (scan.clone(), None),
+    };
+    let scan = &scan;
     let (subject, recipe) = (Subject { scan, given }, Recipe { options: &options, rays: &rays });
     let Lightened { mut parts, size, trials, rounding, packed } =
         lightened(recipe, subject, &mut warnings, progress)?;
@@ -219,7 +225,9 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
     let (carried, left) = match packed {
         Some(asset) => {
             options.maps.clear();
-            warnings = warnings_of_packed_scan(&warnings);
+            if !scan.is_denoised {
+                warnings = warnings_of_packed_scan(&warnings);
+            }
             document = Some(Document::of_packed(asset.glb, limits));
             (about.carried.found.iter().map(|found| found.property).collect(), Vec::new())
         }
@@ -261,6 +269,7 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
         rounding,
         carried,
         left,
+        noise,
         warnings,
     }))
 }

@@ -10,6 +10,7 @@ use taotie_engine::bake::{MapContent, MapKind};
 use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::mesh::Mesh;
 use taotie_engine::scene::{GreenChannel, NormalSpace};
+use taotie_engine::surface::NoiseHandling;
 use taotie_io::{CodecKind, CodecSet, GltfFormat, TextureCodecs, VertexBits, XmpProperties};
 
 /// A mesh provided by the caller.
@@ -159,6 +160,10 @@ pub struct BakeOptions {
     /// The image file of a mask on the uvs of `low` that replaces `straighten`: rays follow the normals of triangles
     /// where its red channel is 1, and averaged normals where it is 0.
     pub skew_mask: Option<PathBuf>,
+    /// Whether to keep or remove the scan's noise. If it is removed, everything is made from the scan without it: a
+    /// search too compares its candidates with that, but the proof compares with the scan as given. `None` keeps it and
+    /// does not measure it.
+    pub noise: Option<NoiseHandling>,
     /// `true` if the scan is checked for faults: open edges, duplicate triangles.
     pub inspect: bool,
 }
@@ -195,6 +200,7 @@ impl Default for BakeOptions {
             ray_colors: false,
             straighten: true,
             skew_mask: None,
+            noise: None,
             inspect: true,
         }
     }

@@ -4,7 +4,7 @@
 use super::maps::{StoredMaps, Textures};
 use super::plan::DroppedProperty;
 use crate::asset::ask::{BakeOptions, Packing};
-use crate::asset::source::{About, Document, LowPoly, Origin, Property};
+use crate::asset::source::{About, Document, LowPoly, Origin, Property, ScanNoise};
 use std::path::PathBuf;
 use std::sync::Arc;
 use taotie_engine::bake::BakeCounts;
@@ -110,6 +110,8 @@ pub(in crate::asset) struct Made {
     /// The properties of the scan's material that the asset has.
     pub carried: Vec<Property>,
     pub left: Vec<DroppedProperty>,
+    /// The scan's noise, if requested; `None` also if it could not be measured.
+    pub noise: Option<ScanNoise>,
     pub warnings: Warnings,
 }
 

@@ -4,6 +4,7 @@ use crate::asset::ask::{BakeOptions, Packing};
 use crate::asset::source::ScanSize;
 use taotie_engine::bake::{MapContent, MapKind, Maps, bytes_of_bands};
 use taotie_engine::error::{Error, Result};
+use taotie_engine::surface::{NoiseHandling, denoising_bytes};
 use taotie_io::{Bytes, CodecKind, ImageCodec, Limits, TextureCodecs};
 
 /// The peak memory of a bake: the scan with its textures, sorted for rays, and maps; or, if that is more, that of
@@ -34,6 +35,8 @@ pub struct MemoryEstimate {
     pub low_triangles: u64,
     /// `true` if the scan is inspected.
     pub inspects: bool,
+    /// Whether the scan's noise is kept or removed; `None` if it is not measured.
+    pub noise: Option<NoiseHandling>,
     /// Texels of a map.
     pub texels: u64,
     /// Bytes per texel over all maps during baking.
@@ -69,6 +72,7 @@ impl MemoryEstimate {
             simplifies: options.low.is_none(),
             low_triangles: u64::from(options.triangles).min(scan.triangles),
             inspects: options.inspect,
+            noise: options.noise,
             texels: options.map_size().map(u64::from).iter().product(),
             texel_bytes: texel_bytes(options, scan.carries),
             band_bytes: bytes_of_bands(options.map_size(), options.side, wanted),
@@ -128,12 +132,14 @@ impl MemoryEstimate {
     fn lightening(&self) -> u64 {
         /// The memory of simplification per triangle: joined vertices, blocks, and the half that remains of them.
         const SIMPLIFYING: u64 = 24;
-        /// The scan's edges and triangles in groups, used to find its faults.
+        /// The scan's edges and triangles in groups, used to find its faults and to measure its noise.
         const INSPECTING: u64 = 40;
         let simplifying = if self.simplifies { SIMPLIFYING } else { 0 };
-        let inspecting = if self.inspects { INSPECTING } else { 0 };
+        let inspecting = if self.inspects || self.noise.is_some() { INSPECTING } else { 0 };
+        let [denoised, denoising] = self.denoised();
         let scan = if self.is_sorted { self.scan.bytes() } else { self.scan.mesh_bytes() };
-        scan.saturating_add(self.scan.triangles * simplifying.max(inspecting))
+        let working = (self.scan.triangles * simplifying.max(inspecting)).max(denoising);
+        scan.saturating_add(denoised).saturating_add(working)
     }
 
     /// Returns the bytes while the scan is sorted and maps are baked.
@@ -144,7 +150,19 @@ impl MemoryEstimate {
         // Materials are baked one after the other.
         let stored = self.stored_of(self.materials.saturating_sub(1));
         let maps = (self.texels * self.texel_bytes).saturating_add(self.band_bytes);
-        self.scan.bytes().saturating_add(sorting.max(maps)).saturating_add(stored)
+        let scan = self.scan.bytes().saturating_add(self.denoised()[0]);
+        scan.saturating_add(sorting.max(maps)).saturating_add(stored)
+    }
+
+    /// Returns the bytes of the scan without its noise, next to the scan as given, and those to make it; zeros if the
+    /// noise is kept.
+    fn denoised(&self) -> [u64; 2] {
+        match (self.noise, self.scan) {
+            (Some(NoiseHandling::Remove), ScanSize { triangles, vertices, texture_bytes, .. }) => {
+                [self.scan.mesh_bytes() - texture_bytes, denoising_bytes(triangles, vertices)]
+            }
+            _ => [0; 2],
+        }
     }
 
     /// Returns the bytes while textures are packed, one per thread at a time.
@@ -278,6 +296,7 @@ mod tests {
             simplifies: true,
             low_triangles: 50_000,
             inspects: true,
+            noise: None,
             texels: 1 << 22,
             texel_bytes: 20,
             band_bytes: 0,

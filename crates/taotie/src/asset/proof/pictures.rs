@@ -149,6 +149,34 @@ impl Setting {
     }
 }
 
+/// Returns pictures of an angle for each vertex of a mesh, degrees, from the front and from the back, with `side` pixels
+/// along a side; NaN elsewhere.
+///
+/// # Errors
+/// Those of rendering.
+pub(super) fn vertex_angles(mesh: &Mesh, angles: &[f32], side: u32) -> Result<Vec<Field>> {
+    const MOST: f32 = 180.0;
+    let colors = angles.iter().map(|angle| [angle / MOST, 0.0, 0.0, 1.0]).collect();
+    let MeshData { positions, triangles, .. } = mesh.clone().into_data();
+    let painted = Mesh::new(MeshData { positions, triangles, colors, ..MeshData::default() })?;
+    let scene = Scene::of_mesh(painted, Material { base_color: [1.0; 4], ..neutral() })?;
+    let (cameras, settings) = (
+        cameras(&scene),
+        RenderSettings { width: side, height: side, aovs: true, samples: 1, ..RenderSettings::default() },
+    );
+    let mut renderer = Renderer::new(scene, &settings.surface)?;
+    let mut pictures = Vec::new();
+    for camera in cameras.iter().step_by(COUNT / 2) {
+        let lighting = lighting(camera, None);
+        let frame =
+            renderer.render(&Shot { camera, lighting: &lighting, settings: &settings }, Progress::SILENT)?;
+        let angle = |[red, _, _, seen]: &[f32; 4]| if *seen > 0.0 { red * MOST } else { f32::NAN };
+        let values = frame.aovs.iter().flat_map(|aovs| aovs.albedo.pixels()).map(angle).collect();
+        pictures.push(Field::new(side, side, values)?);
+    }
+    Ok(pictures)
+}
+
 /// Compares the images view by view.
 fn compared(scan: Vec<DisplayImage>, asset: Vec<DisplayImage>, progress: Progress<'_>) -> Result<Views> {
     let mut views = Views { scan, asset, ..Views::default() };

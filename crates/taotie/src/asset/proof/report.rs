@@ -12,6 +12,7 @@ use crate::asset::write::{MapNote, Parameters, WrittenAsset, maps_alone, name_of
 use std::path::{Path, PathBuf};
 use taotie_engine::bake::MapKind;
 use taotie_engine::error::{Result, Warning, Warnings};
+use taotie_engine::surface::Noise;
 use taotie_io::CodecKind;
 
 /// The version of the report's layout.
@@ -71,6 +72,9 @@ pub struct Report {
     pub proof: Option<Figures>,
     /// The outcomes of the bake's rays, which only the bake knows; `None` if the asset was not baked here.
     pub bake: Option<BakeFigures>,
+    /// The scan's noise, and the change by its removal; `None` unless it was requested.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub noise: Option<Noise>,
     /// The candidates of a search, if an error was requested.
     pub trials: Vec<Trial>,
     /// The duration of each stage.
@@ -181,6 +185,7 @@ impl Report {
             left: made.left.clone(),
             proof: None,
             bake: Some(BakeFigures::of(written)),
+            noise: made.noise.as_ref().map(|found| found.noise),
             trials: made.trials.clone(),
             stages: Vec::new(),
             warnings,
@@ -211,6 +216,7 @@ impl Report {
             left: Vec::new(),
             proof: Some(proof.figures.clone()),
             bake: None,
+            noise: None,
             trials: Vec::new(),
             stages: Vec::new(),
             warnings: [scan.warnings(), &proof.warnings].map(Warnings::list).concat(),

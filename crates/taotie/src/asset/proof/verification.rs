@@ -52,6 +52,9 @@ pub struct Proof {
     /// The ratio of the asset's texel width to the scan's finest detail, at the same texels: a texel of the scan's
     /// texture or half its median edge, as in [`Resolution`](super::Resolution). `None` if the asset has no textures.
     pub detail_map: Option<Field>,
+    /// The angle between the normals of the scan as given and without its noise, degrees, from the front and from the
+    /// back; NaN elsewhere. Empty if no noise was removed, or if [`VerifyOptions::map`] is 0.
+    pub noise_maps: Vec<Field>,
     /// Scan and asset from all sides, in one grey material.
     pub views: Views,
     /// The same in full material; `None` if the scan specifies none.
@@ -268,7 +271,8 @@ impl WrittenAsset {
         progress.apart(move |progress| {
             progress.begin("read back")?;
             let shown = written.shown()?;
-            let mut proof = prove(shown, scan, &options, progress)?;
+            let noise_maps = written.noise_maps(&scan, &options)?;
+            let mut proof = Proof { noise_maps, ..prove(shown, scan, &options, progress)? };
             proof
                 .figures
                 .unseen
@@ -301,6 +305,15 @@ impl WrittenAsset {
         into_scan_space(&mut levels, unit)?;
         let is_searched = made.rounding.is_some();
         Ok(Shown { levels, path, bytes_out, gpu_bytes, is_searched, has_material: true, unit })
+    }
+
+    /// Returns pictures of the angles by which the removal of noise turned the normals of its scan.
+    fn noise_maps(&self, scan: &Scan, options: &VerifyOptions) -> Result<Vec<Field>> {
+        let removed = self.asset.made.noise.as_ref().map_or(&[][..], |noise| &noise.angles);
+        match options.map > 0 && !removed.is_empty() && removed.len() == scan.mesh().positions().len() {
+            true => pictures::vertex_angles(scan.mesh(), removed, options.view),
+            false => Ok(Vec::new()),
+        }
     }
 
     /// Returns the unit of the scan that it was baked from.
@@ -404,6 +417,7 @@ impl Proof {
             error_map,
             color_map,
             detail_map,
+            noise_maps: Vec::new(),
             views,
             full_views,
             coarser_views,

@@ -97,11 +97,11 @@ fn shown(scan: &Scan, image: &LossyTexture) -> Option<Shown> {
     (!textures.is_empty()).then(|| Shown { textures, encoding: image.encoding() })
 }
 
-/// Opens the file of a scan, converting it to glTF if necessary. Also returns the losses of that. Those that affect
+/// Opens the file of a scan, converting it to glTF if necessary, or if its noise was removed. Also returns the losses of that. Those that affect
 /// angles or colours are measured with the candidate, and all others also occur in candidates made from the scan.
 pub(super) fn packer(scan: &Scan) -> Result<(GltfPacker, Warnings)> {
     let (path, mut lost) = (scan.path(), Warnings::default());
-    if taotie_io::is_gltf(path).unwrap_or(false) {
+    if !scan.is_denoised && taotie_io::is_gltf(path).unwrap_or(false) {
         return Ok((GltfPacker::open(GltfSource::File(path), &scan.limits)?, lost));
     }
     let scene = scan.surface().clone().into_scene()?;

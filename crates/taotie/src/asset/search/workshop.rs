@@ -189,12 +189,14 @@ impl<'a> Workshop<'a> {
     }
 
     /// Returns `true` if the packed scan itself would contain everything requested: no map must be baked, and it is
-    /// not a coarser level of a generated asset.
+    /// not a coarser level of a generated asset. Without its noise it has no motion or variants.
     pub fn may_pack(&self) -> bool {
-        let (options, about) = (self.recipe.options, &self.subject.scan.about);
+        let (options, scan) = (self.recipe.options, self.subject.scan);
+        let about = &scan.about;
         let carried = about.carried.maps();
         let is_own = |map: &MapKind| *map == MapKind::Normal || carried.has(*map);
-        options.carry && self.subject.level.is_finest() && options.maps.iter().all(is_own)
+        let is_whole = !(scan.is_denoised && about.is_rigged);
+        is_whole && options.carry && self.subject.level.is_finest() && options.maps.iter().all(is_own)
     }
 
     /// Returns `true` if the packed scan is likely to be the smallest, or is the only candidate that keeps the

@@ -21,6 +21,6 @@ pub(super) use low_material::{LowLook, Metalness};
 pub(super) use low_poly::{KeptTextures, LowPoly, Pair, RayLength, Rays, Relief, Skew};
 pub use low_poly::{Origin, Simplification};
 pub(super) use material::{Carried, Found, Property, is_plain, used_materials};
-pub(super) use scan::{About, all_files, is_gltf, stated_unit, warnings_of_packed_scan};
+pub(super) use scan::{About, ScanNoise, all_files, is_gltf, stated_unit, warnings_of_packed_scan};
 pub use scan::{Scan, ScanFile};
 pub use size::ScanSize;

@@ -15,6 +15,7 @@ use taotie_engine::length::Unit;
 use taotie_engine::mesh::Mesh;
 use taotie_engine::progress::Progress;
 use taotie_engine::scene::{Material, Scene};
+use taotie_engine::surface::{Denoised, Noise, NoiseHandling};
 use taotie_io::{FileHash, Limits, Loaded};
 
 /// The properties of a scan besides its triangles.
@@ -61,6 +62,13 @@ impl About {
     }
 }
 
+/// The noise of a scan.
+pub(in crate::asset) struct ScanNoise {
+    pub noise: Noise,
+    /// The angle by which its removal turned the normal of each vertex, degrees; empty if it was kept.
+    pub angles: Vec<f32>,
+}
+
 /// A scan as stored in its file, not yet merged into one mesh, so that the needs of a bake can be estimated.
 ///
 /// ```no_run
@@ -98,6 +106,8 @@ pub struct Scan {
     surface: Arc<TexturedMesh>,
     /// The surface sorted for rays; empty until needed.
     sorted: Arc<OnceLock<bake::Scan>>,
+    /// `true` if its noise was removed, so that it is not as in its file.
+    pub(in crate::asset) is_denoised: bool,
     pub(in crate::asset) about: Arc<About>,
     /// The limits within which it was read, and for other inputs of a bake of it.
     pub(in crate::asset) limits: Limits,
@@ -217,7 +227,7 @@ impl ScanFile {
             let Self { mut scene, mut about, limits } = self;
             correct(&mut scene, &mut about)?;
             let surface = Arc::new(bake::Scan::surface_of(scene)?);
-            Ok(Scan { surface, sorted: Arc::default(), about: Arc::new(about), limits })
+            Ok(Scan { surface, sorted: Arc::default(), is_denoised: false, about: Arc::new(about), limits })
         })
     }
 }
@@ -325,6 +335,40 @@ impl Scan {
     /// [`Error::Io`] if the file can no longer be read.
     pub fn sha256(&self) -> Result<String> {
         self.about.sha256()
+    }
+
+    /// Measures its noise, and removes it if requested; returns the scan to make the asset from.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`].
+    pub(in crate::asset) fn settle_noise(
+        self,
+        handling: NoiseHandling,
+        warnings: &mut Warnings,
+        progress: Progress<'_>,
+    ) -> Result<(Self, Option<ScanNoise>)> {
+        let progress = progress.begin("measure the noise")?;
+        let Some(noise) = Noise::of(self.mesh()) else {
+            let what = match handling {
+                NoiseHandling::Keep => {
+                    "noise not measured: the scan has too few vertices with enough neighbours"
+                }
+                NoiseHandling::Remove => {
+                    "noise neither measured nor removed: the scan has too few vertices with enough neighbours"
+                }
+            };
+            warnings.note(what, 1);
+            return Ok((self, None));
+        };
+        if handling == NoiseHandling::Keep {
+            return Ok((self, Some(ScanNoise { noise, angles: Vec::new() })));
+        }
+        let Denoised { mesh, change, angles } =
+            noise.remove(self.mesh(), progress.begin("remove the noise")?)?;
+        let surface = Arc::new(self.surface.in_shape(mesh));
+        let noise = Noise { removed: Some(change), ..noise };
+        let scan = Self { surface, sorted: Arc::default(), is_denoised: true, ..self };
+        Ok((scan, Some(ScanNoise { noise, angles })))
     }
 
     /// Frees the tree, and moves the triangles out unless a clone of this scan still holds them.

@@ -12,6 +12,7 @@ use taotie_engine::error::Result;
 use taotie_engine::length::Unit;
 use taotie_engine::names::Named;
 use taotie_engine::scene::{GreenChannel, NormalSpace};
+use taotie_engine::surface::NoiseHandling;
 use taotie_io::{Json, Limits, Loaded, Provenance, XmpProperties};
 
 /// The options and packing of a bake, as a JSON document.
@@ -80,6 +81,9 @@ struct Fields<'a> {
     skew: Option<String>,
     /// The name of the cage's file; `None` without a cage.
     cage: Option<String>,
+    /// `remove` if the scan's noise was removed; `None` if not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    noise: Option<NoiseHandling>,
     /// The formats of the textures, as for `--images`.
     images: String,
     /// The formats that the search may choose from.
@@ -212,6 +216,7 @@ impl Parameters {
             ray_colors: options.ray_colors.then_some(true),
             skew: skew(options),
             cage: cage.and_then(MeshSource::name),
+            noise: options.noise.filter(|handling| *handling == NoiseHandling::Remove),
             images: packing.images.to_string(),
             image_formats: options.images.iter().map(|kind| kind.name()).collect(),
             meshopt: packing.meshopt,
