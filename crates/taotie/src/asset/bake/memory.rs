@@ -2,7 +2,7 @@
 
 use crate::asset::ask::{BakeOptions, Packing};
 use crate::asset::source::ScanSize;
-use taotie_engine::bake::{MapContent, MapKind, Maps, bytes_of_bands};
+use taotie_engine::bake::{MapContent, MapKind, Maps, REMESH_BYTES, bytes_of_bands};
 use taotie_engine::error::{Error, Result};
 use taotie_io::{Bytes, CodecKind, ImageCodec, Limits, TextureCodecs};
 
@@ -32,6 +32,8 @@ pub struct MemoryEstimate {
     /// The requested number of low-poly triangles; also used as an estimate if the mesh or its error is given
     /// instead.
     pub low_triangles: u64,
+    /// `true` if the scan's watertight outer surface is built.
+    pub remeshes: bool,
     /// `true` if the scan is inspected.
     pub inspects: bool,
     /// Texels of a map.
@@ -68,6 +70,7 @@ impl MemoryEstimate {
             is_sorted: false,
             simplifies: options.low.is_none(),
             low_triangles: u64::from(options.triangles).min(scan.triangles),
+            remeshes: options.remesh,
             inspects: options.inspect,
             texels: options.map_size().map(u64::from).iter().product(),
             texel_bytes: texel_bytes(options, scan.carries),
@@ -116,6 +119,7 @@ impl MemoryEstimate {
             .max(self.writing())
             .max(proving)
             .max(showing)
+            .saturating_add(if self.remeshes { REMESH_BYTES } else { 0 })
             .saturating_add(REST + (self.scan.triangles * KEPT).min(MOST_KEPT));
         let framing = match self.scan.framing_bytes() {
             0 => 0,
@@ -132,7 +136,7 @@ impl MemoryEstimate {
         const INSPECTING: u64 = 40;
         let simplifying = if self.simplifies { SIMPLIFYING } else { 0 };
         let inspecting = if self.inspects { INSPECTING } else { 0 };
-        let scan = if self.is_sorted { self.scan.bytes() } else { self.scan.mesh_bytes() };
+        let scan = if self.is_sorted || self.remeshes { self.scan.bytes() } else { self.scan.mesh_bytes() };
         scan.saturating_add(self.scan.triangles * simplifying.max(inspecting))
     }
 
@@ -277,6 +281,7 @@ mod tests {
             is_sorted: false,
             simplifies: true,
             low_triangles: 50_000,
+            remeshes: false,
             inspects: true,
             texels: 1 << 22,
             texel_bytes: 20,

@@ -9,7 +9,7 @@ use super::material::{Carried, is_plain};
 use super::size::ScanSize;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
-use taotie_engine::bake::{self, TexturedMesh};
+use taotie_engine::bake::{self, Remeshed, TexturedMesh, Visibility};
 use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::length::Unit;
 use taotie_engine::mesh::Mesh;
@@ -98,6 +98,8 @@ pub struct Scan {
     surface: Arc<TexturedMesh>,
     /// The surface sorted for rays; empty until needed.
     sorted: Arc<OnceLock<bake::Scan>>,
+    /// Its watertight outer surface; empty until needed.
+    remeshed: Arc<OnceLock<Remeshed>>,
     pub(in crate::asset) about: Arc<About>,
     /// The limits within which it was read, and for other inputs of a bake of it.
     pub(in crate::asset) limits: Limits,
@@ -217,7 +219,13 @@ impl ScanFile {
             let Self { mut scene, mut about, limits } = self;
             correct(&mut scene, &mut about)?;
             let surface = Arc::new(bake::Scan::surface_of(scene)?);
-            Ok(Scan { surface, sorted: Arc::default(), about: Arc::new(about), limits })
+            Ok(Scan {
+                surface,
+                sorted: Arc::default(),
+                remeshed: Arc::default(),
+                about: Arc::new(about),
+                limits,
+            })
         })
     }
 }
@@ -278,6 +286,26 @@ impl Scan {
         Ok(())
     }
 
+    /// Returns its watertight outer surface; the first call builds it, as a separate stage, and sorts the scan if
+    /// necessary.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`]; [`Error::Invalid`] for an interior; those of [`bake::remesh`].
+    pub(in crate::asset) fn remeshed(&self, progress: Progress<'_>) -> Result<&Remeshed> {
+        if let Some(remeshed) = self.remeshed.get() {
+            return Ok(remeshed);
+        }
+        self.sort(progress)?;
+        let progress = progress.begin("remesh the scan")?;
+        if Visibility::of(self.sorted()).is_interior() {
+            let why = "it is seen from within, as a room is, and its outer surface would show nothing of that; bake \
+                       it without remeshing";
+            return Err(Error::invalid("the scan to remesh", why));
+        }
+        let remeshed = bake::remesh(self.sorted(), progress)?;
+        Ok(self.remeshed.get_or_init(|| remeshed))
+    }
+
     /// Returns true if it is already sorted for rays.
     pub(in crate::asset) fn is_sorted(&self) -> bool {
         self.sorted.get().is_some()
@@ -329,8 +357,8 @@ impl Scan {
 
     /// Frees the tree, and moves the triangles out unless a clone of this scan still holds them.
     pub(in crate::asset) fn into_scene(self) -> Result<Scene> {
-        let Self { surface, sorted, .. } = self;
-        drop(sorted);
+        let Self { surface, sorted, remeshed, .. } = self;
+        drop((sorted, remeshed));
         Arc::unwrap_or_clone(surface).into_scene()
     }
 }
