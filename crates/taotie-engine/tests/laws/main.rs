@@ -23,6 +23,7 @@ mod lane;
 mod maps;
 mod pixel_gradients;
 mod rays;
+mod remesh;
 mod sampling;
 mod shade;
 mod surface;

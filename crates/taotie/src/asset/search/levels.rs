@@ -58,7 +58,7 @@ pub(in crate::asset) fn make_levels(
         warnings.note("left out: the levels of detail: the scan is an interior, which is always close", 1);
         return Ok((found, warnings));
     }
-    let maker = LevelMaker::new(recipe, (scan, &side), finest, progress)?;
+    let maker = LevelMaker::new(recipe, (scan, &side), finest)?;
     for (i, wanted) in lods.iter().enumerate() {
         // All inner stages are reported as this one.
         let listener = |_: &'static str, _: f64| stage.at(i as f64 / lods.len() as f64).is_ok();
@@ -235,9 +235,9 @@ impl<'a> LevelMaker<'a> {
         recipe: Recipe<'a>,
         (scan, side): (&'a Scan, &'a Side<'a>),
         finest: Finest<'a>,
-        progress: Progress<'_>,
     ) -> Result<Self> {
-        let base = low_poly::base(scan, recipe.options, &mut Warnings::default(), progress)?;
+        // The finest level was made from the same base, which is built only once.
+        let base = low_poly::base(scan, recipe.options, &mut Warnings::default(), Progress::SILENT)?;
         let source = Source::of((recipe, scan), &finest)?;
         let triangles = match &finest {
             Finest::Made { low, .. } => low.mesh.triangles().len(),
