@@ -30,6 +30,7 @@ STAGES = {
     "remove the noise": 0.1,
     "read the low-poly mesh": 0.02,
     "search": 0.3,
+    "remesh the scan": 0.1,
     "simplify": 0.2,
     "sort the scan": 0.05,
     "fit normals": 0.05,
@@ -298,6 +299,7 @@ def bake(
     *,
     low: Any = None,
     triangles: int | None = None,
+    remesh: bool = False,
     error: float | None = None,
     goal: Sequence[str] = (),
     images: Sequence[Literal["png", "jpeg", "webp", "avif", "ktx2"]] = (),
@@ -338,6 +340,9 @@ def bake(
     triangles : int, optional
         Triangles of the low-poly mesh; disables the search. Defaults to 50,000 if only `size` is given, or if a
         search is not possible.
+    remesh : bool
+        Make the low-poly mesh from a watertight outer surface of the scan, built from voxels of 0.25 % of its
+        diagonal. Holes narrower than 2 % are closed, inner parts left out, and sheets become thin shells.
     error : float, optional
         Find the smallest asset with a mean normal error as seen of at most this many degrees: one made from the
         scan, with or without a normal map, or the scan itself, packed. Packing options are ignored.
@@ -452,6 +457,7 @@ def bake(
     options = {
         "low": low_file,
         "triangles": 50_000 if triangles is None else triangles,
+        "remesh": remesh,
         "goal": ",".join(wanted) if wanted else None,
         "images": list(images),
         "codecs": codecs,

@@ -49,6 +49,14 @@ def test_an_asset_describes_itself(asset: tt.Asset) -> None:
         asset.maps("x")
 
 
+def test_a_remesh_is_recorded(scan: tt.Model, tmp_path: Path) -> None:
+    closed = tt.bake(scan, triangles=300, size=64, remesh=True)
+    report = closed.save(tmp_path / "closed.glb").report()
+    assert report["parameters"]["remesh"] is True
+    remesh = report["origin"]["simplified"]["remesh"]
+    assert (remesh["scan_shells"], remesh["open_borders"], remesh["shells"]) == (1, 0, 1)
+
+
 def test_a_proof_measures_and_requires(asset: tt.Asset, scan: tt.Model, tmp_path: Path) -> None:
     proof = asset.verify(scan, points=20_000, view=64)
     assert 0.1 < proof.mean_deg < proof.p95_deg <= proof.max_deg < 90
@@ -160,6 +168,7 @@ def test_standalone_maps_of_several_materials_are_a_set_for_each(
     [
         ({"triangles": 3}, "3 triangles"),
         ({"samples": 5}, "square"),
+        ({"low": "low.glb", "remesh": True}, "omit one"),
         ({"maps": "normal"}, "sequence"),
         ({"maps": ["norml"]}, "norml"),
         ({"size": 8}, "16 to 16384"),

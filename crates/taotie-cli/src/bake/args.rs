@@ -58,6 +58,11 @@ pub struct BakeArgs {
     /// Triangles of the low-poly mesh; turns the search off [default: 50000 if only size or packing is given]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..), help_heading = "Low-poly mesh", conflicts_with = "low")]
     pub triangles: Option<u32>,
+    /// Make the low-poly mesh from a watertight outer surface of the scan, built from voxels of 0.25 % of its diagonal:
+    /// for generated meshes and polygon soups. Holes narrower than 2 % are closed, inner parts left out, and sheets
+    /// become thin shells
+    #[arg(long, help_heading = "Low-poly mesh", conflicts_with = "low")]
+    pub remesh: bool,
     /// Target and ceilings for a use: web (mean 1°, 100,000 triangles, 80 MB of GPU memory), archive (mean
     /// 0.1°, no ceilings), or engine (mean 0.5°, 50,000 triangles, 32 MB, textures in KTX2). --error (all angle
     /// limits), --require, --images and explicit ceilings override them; --lods overrides the levels of detail of

@@ -128,15 +128,20 @@ impl Work<'_> {
     fn making(&self) -> Vec<(&'static str, f64)> {
         let (scan, texels) = (self.scan, self.texels);
         let made = if self.options.low.is_none() { 1.0 } else { 0.0 };
+        let sort = ("sort the scan", 500.0 * scan);
+        let lightening = match self.options.remesh {
+            true => vec![sort, ("remesh the scan", 3000.0), ("simplify", 600.0)],
+            false => vec![("simplify", 1200.0 * scan * made), sort],
+        };
         let removes = self.options.noise == Some(NoiseHandling::Remove);
-        vec![
+        let before = [
             ("join the scan", 5.0 + 100.0 * scan),
             ("read the low-poly mesh", 10.0 * (1.0 - made)),
             ("inspect the scan", if self.options.inspect { 200.0 * scan } else { 0.0 }),
             ("measure the noise", if self.options.noise.is_some() { 200.0 * scan } else { 0.0 }),
             ("remove the noise", if removes { 1500.0 * scan } else { 0.0 }),
-            ("simplify", 1200.0 * scan * made),
-            ("sort the scan", 500.0 * scan),
+        ];
+        let after = [
             ("fit normals", 600.0 * made),
             ("unwrap", (200.0 + 900.0 * texels) * made),
             ("tangents", 10.0),
@@ -144,7 +149,8 @@ impl Work<'_> {
             ("bake", texels * self.samples()),
             ("store", 100.0 * texels),
             ("levels of detail", self.levels()),
-        ]
+        ];
+        before.into_iter().chain(lightening).chain(after).collect()
     }
 
     /// Returns the cost of a million texels: projection rays and lookups for each sample, and rays over the

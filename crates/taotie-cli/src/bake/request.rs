@@ -112,6 +112,7 @@ impl BakeArgs {
             ("--error", self.error.is_some()),
             ("--bytes", self.bytes.is_some()),
             ("--triangles", self.triangles.is_some()),
+            ("--remesh", self.remesh),
         ];
         let output = self.output.display();
         match given.iter().find(|(_, given)| *given) {
@@ -261,6 +262,7 @@ impl BakeArgs {
         BakeOptions {
             low: self.low.clone().map(MeshSource::File),
             triangles: self.triangles(),
+            remesh: self.remesh,
             lods: self.lods(),
             keep_uvs: self.is_alone(),
             size: self.size()[0],

@@ -4,7 +4,11 @@ use super::bake::number;
 use super::balls::SCAN;
 use super::place::Place;
 use serde_json::Value;
+use std::fmt::Write;
 use taotie_engine::Warnings;
+use taotie_engine::bake::Faults;
+use taotie_engine::math::Vec3;
+use taotie_engine::mesh::{Mesh, MeshData};
 use taotie_engine::scene::{Material, Scene};
 use taotie_io::{encode_scene, load_model};
 
@@ -145,4 +149,71 @@ fn noise_that_cannot_be_measured_is_reported() {
     let assert = place.taotie(line).assert().success();
     let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
     assert!(said.contains("noise neither measured nor removed: the scan has too few vertices"), "{said}");
+}
+
+/// Returns two balls that overlap, one with a hole, and a third inside, as OBJ of separate triangles.
+fn soup() -> String {
+    const MISSING: usize = 2080;
+    let (mut text, mut count) = (String::new(), 0);
+    for (radius, x) in [(1.0, 0.0), (0.8, 1.1), (0.5, 0.2)] {
+        let ball = Mesh::sphere(radius, 64, 32);
+        for t in 0..ball.triangles().len() {
+            let corners = ball.corners(t).map(|p| p + Vec3::new(x, 0.0, 0.0));
+            // A triangle on the far side of the first ball is missing.
+            if radius == 1.0 && t == MISSING {
+                continue;
+            }
+            for p in corners {
+                let _ = writeln!(text, "v {} {} {}", p.x, p.y, p.z);
+            }
+            let _ = writeln!(text, "f {} {} {}", count + 1, count + 2, count + 3);
+            count += 3;
+        }
+    }
+    text
+}
+
+/// Returns the faults of a model's triangles in world space.
+fn faults(place: &Place, name: &str) -> Faults {
+    let scene = taotie::load_model(place.path(name)).unwrap().scene;
+    let mut all = MeshData::default();
+    for mesh in scene.meshes() {
+        let first = all.positions.len() as u32;
+        all.positions.extend(mesh.positions());
+        all.triangles.extend(mesh.triangles().iter().map(|t| t.map(|v| v + first)));
+    }
+    Faults::of(&Mesh::new(all).unwrap())
+}
+
+#[test]
+fn a_soup_becomes_a_watertight_mesh_close_to_its_visible_surface() {
+    let place = Place::with("soup.obj", soup());
+    let line = "bake soup.obj -o out.glb --remesh --triangles 800 --size 128 --json";
+    let report = place.json(line);
+    let Faults { open_edges, crowded_edges, duplicates, .. } = faults(&place, "out.glb");
+    assert_eq!((open_edges, crowded_edges, duplicates), (0, 0, 0));
+    let remesh = &report["origin"]["simplified"]["remesh"];
+    assert_eq!((&remesh["scan_shells"], &remesh["shells"]), (&3.into(), &1.into()), "{remesh}");
+    assert!(remesh["open_borders"].as_u64() > Some(0), "{remesh}");
+    assert_eq!(report["parameters"]["remesh"], true);
+    let said = report["warnings"].to_string();
+    assert!(said.contains("remeshed: 3 separate parts and "), "{said}");
+    assert!(!said.contains("that simplification left open"), "{said}");
+    let line =
+        "verify out.glb --scan soup.obj --require mean-angle=1,missed=0.1%,hausdorff=1%,completeness=99%";
+    place.taotie(line).assert().success();
+}
+
+#[test]
+fn remeshing_needs_a_scan_to_make_the_mesh_from() {
+    let place = Place::with("soup.obj", soup());
+    let cases = [
+        ("bake soup.obj -o out.glb --remesh --low soup.obj", "cannot be used with"),
+        ("bake soup.obj -o out.png --remesh", "--remesh: out.png holds only maps"),
+    ];
+    for (line, words) in cases {
+        let assert = place.taotie(line).assert().code(2);
+        let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
+        assert!(said.contains(words), "{line}: {said}");
+    }
 }

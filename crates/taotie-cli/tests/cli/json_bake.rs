@@ -108,6 +108,18 @@ struct Origin {
 struct Simplified {
     method: String,
     error: f64,
+    remesh: Option<Remesh>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Remesh {
+    scan_shells: usize,
+    open_borders: usize,
+    shells: usize,
+    triangles: usize,
+    volume: f64,
+    closing: f64,
 }
 
 #[derive(Deserialize, Debug, PartialEq)]

@@ -4,6 +4,7 @@ use crate::common::data_folder;
 use crate::files::{all_files_below, data_files};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use taotie_engine::bake::Faults;
 use taotie_engine::image::Texels;
 use taotie_io::read_bitmap;
 use tempfile::TempDir;
@@ -111,4 +112,23 @@ fn every_broken_file_can_be_given_as_a_model_or_a_texture() {
         faults.extend(crash(&file, &render(folder.path(), &file, &[])));
     }
     none(&faults);
+}
+
+#[test]
+fn the_smallest_mesh_by_others_is_remeshed_watertight() {
+    let models = data_files("odedstein-meshes", &["obj"]);
+    let size = |model: &PathBuf| std::fs::metadata(model).map_or(u64::MAX, |about| about.len());
+    let Some(model) = models.into_iter().min_by_key(|model| (size(model), model.clone())) else { return };
+    let folder = temporary();
+    let made = folder.path().join("out.glb");
+    let options = ["--remesh", "--triangles", "3000", "--size", "64", "--no-verify"].map(Path::new);
+    let ending = run(
+        folder.path(),
+        &[&["bake".as_ref(), model.as_path(), "-o".as_ref(), &made], &options[..]].concat(),
+    );
+    assert_eq!(ending.code, Some(0), "{}", ending.stderr);
+    let scene = taotie::load_model(&made).expect("it was written").scene;
+    let [mesh] = scene.meshes() else { panic!("{} meshes", scene.meshes().len()) };
+    let Faults { open_edges, crowded_edges, duplicates, .. } = Faults::of(mesh);
+    assert_eq!((open_edges, crowded_edges, duplicates), (0, 0, 0), "{}", model.display());
 }

@@ -50,7 +50,10 @@ impl Faults {
 }
 
 /// Returns the positions of each triangle, lowest first; skips triangles with two equal corners.
-fn whole_triangles<'m>(triangles: &'m [[u32; 3]], places: &'m [u32]) -> impl Iterator<Item = [u32; 3]> + 'm {
+pub(super) fn whole_triangles<'m>(
+    triangles: &'m [[u32; 3]],
+    places: &'m [u32],
+) -> impl Iterator<Item = [u32; 3]> + 'm {
     triangles.iter().filter_map(|triangle| {
         let [mut a, mut b, mut c] = triangle.map(|v| places[v as usize]);
         (a, b) = (a.min(b), a.max(b));
@@ -62,7 +65,7 @@ fn whole_triangles<'m>(triangles: &'m [[u32; 3]], places: &'m [u32]) -> impl Ite
 
 /// Neighbours in a file mostly have neighbouring positions, so grouping by them is faster than sorting and takes less
 /// memory.
-fn by_place<T>((place, value): (u32, T)) -> (usize, T) {
+pub(super) fn by_place<T>((place, value): (u32, T)) -> (usize, T) {
     (place as usize, value)
 }
 

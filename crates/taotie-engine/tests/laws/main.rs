@@ -24,6 +24,7 @@ mod maps;
 mod noise;
 mod pixel_gradients;
 mod rays;
+mod remesh;
 mod sampling;
 mod shade;
 mod surface;

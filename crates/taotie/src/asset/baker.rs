@@ -7,7 +7,8 @@ use super::bake::{
 };
 use super::search::{Finest, Level, PackedAsset, Smallest, make_levels, smallest};
 use super::source::{
-    Document, GivenMesh, Inputs, LowPoly, Pair, Relief, Scan, ScanSize, low_poly, warnings_of_packed_scan,
+    Base, Document, GivenMesh, Inputs, LowPoly, MadeFrom, Pair, Relief, Scan, ScanSize, low_poly,
+    warnings_of_packed_scan,
 };
 use super::write::possible_files;
 use std::path::{Path, PathBuf};
@@ -102,7 +103,7 @@ impl Baker {
     /// Bakes a scan: simplifies and unwraps it, or takes the given mesh; bakes the maps; measures the result.
     ///
     /// The listener receives the stages `read the low-poly mesh`, `inspect the scan`, `measure the noise` and
-    /// `remove the noise` if requested, `simplify`, `sort the scan` if no earlier bake did so, `fit normals`,
+    /// `remove the noise` if requested, `simplify`, `sort the scan` if no earlier bake did so, `remesh the scan` if requested, `fit normals`,
     /// `unwrap`, `tangents`, `measure the gap`, `bake`, `store` and `levels of detail`, and is asked about every 20 ms
     /// whether to continue.
     ///
@@ -322,13 +323,17 @@ fn lightened(
                 .collect::<Result<Vec<_>>>()?
         }
         None => {
-            progress.begin("simplify")?;
-            let seen = low_poly::seen(scan, warnings)?;
-            let simplified = low_poly::simplified(&seen, (options.triangles, Relief::Map), progress)?;
-            drop(seen);
+            if !options.remesh {
+                progress.begin("simplify")?;
+            }
+            let base = low_poly::base(scan, options, warnings, progress)?;
+            let simplified = low_poly::simplified(&base, (options.triangles, Relief::Map), progress)?;
+            let Base { remesh, .. } = base;
             low_poly::note_simplified(&simplified, options.triangles, warnings);
             let simplified = low_poly::fitted(scan, simplified, progress)?;
-            let low = LowPoly::made(scan, &simplified, options.size, progress)?;
+            let from = MadeFrom { scan, remesh: remesh.as_ref() };
+            let low = LowPoly::made(from, &simplified, options.size, progress)?;
+            low_poly::note_opened(&low, warnings);
             judgement::refuse_astray(Pair { scan, low: &low })?;
             vec![low]
         }

@@ -96,6 +96,9 @@ pub struct BakeOptions {
     pub low: Option<MeshSource>,
     /// Triangles of the low-poly mesh, at least 4; ignored with `low`, `goal` or `bytes`.
     pub triangles: u32,
+    /// `true` if the low-poly mesh is made from the scan's watertight outer surface ([`taotie_engine::bake::remesh`])
+    /// instead of its own triangles; not with `low`. The packed scan is then no candidate of a search.
+    pub remesh: bool,
     /// Finds the smallest asset in bytes that meets these requirements, as far as they concern visible angles and
     /// colours; for whichever of the two they do not mention, [`Requirement::visually_lossless`] applies. The asset
     /// may have a normal map or none, or be the scan itself, packed. `triangles`, `size` and the packing are then
@@ -175,6 +178,7 @@ impl Default for BakeOptions {
         Self {
             low: None,
             triangles: 50_000,
+            remesh: false,
             goal: None,
             bytes: None,
             images: Vec::new(),
@@ -264,6 +268,9 @@ impl BakeOptions {
                 wrong("UDIM tiles".into(), "no model format stores them; write standalone maps")
             }
             Self { new_uvs: true, .. } if !self.is_square() => wrong(self.maps_in_words(), SQUARE),
+            Self { low: Some(_), remesh: true, .. } => {
+                wrong("a remesh of the scan".into(), "a given low-poly mesh is kept as is; omit one")
+            }
             Self { low: None, keep_uvs: true, .. } => wrong("standalone maps".into(), NEEDS_UVS),
             Self { low: None, .. } if !self.is_square() => wrong(self.maps_in_words(), SQUARE),
             Self { maps, .. } if maps.is_empty() => wrong("no maps".into(), "name at least one to bake"),

@@ -2,7 +2,7 @@
 
 use crate::asset::ask::{BakeOptions, Packing};
 use crate::asset::source::ScanSize;
-use taotie_engine::bake::{MapContent, MapKind, Maps, bytes_of_bands};
+use taotie_engine::bake::{MapContent, MapKind, Maps, REMESH_BYTES, bytes_of_bands};
 use taotie_engine::error::{Error, Result};
 use taotie_engine::surface::{NoiseHandling, denoising_bytes};
 use taotie_io::{Bytes, CodecKind, ImageCodec, Limits, TextureCodecs};
@@ -33,6 +33,8 @@ pub struct MemoryEstimate {
     /// The requested number of low-poly triangles; also used as an estimate if the mesh or its error is given
     /// instead.
     pub low_triangles: u64,
+    /// `true` if the scan's watertight outer surface is built.
+    pub remeshes: bool,
     /// `true` if the scan is inspected.
     pub inspects: bool,
     /// Whether the scan's noise is kept or removed; `None` if it is not measured.
@@ -71,6 +73,7 @@ impl MemoryEstimate {
             is_sorted: false,
             simplifies: options.low.is_none(),
             low_triangles: u64::from(options.triangles).min(scan.triangles),
+            remeshes: options.remesh,
             inspects: options.inspect,
             noise: options.noise,
             texels: options.map_size().map(u64::from).iter().product(),
@@ -120,6 +123,7 @@ impl MemoryEstimate {
             .max(self.writing())
             .max(proving)
             .max(showing)
+            .saturating_add(if self.remeshes { REMESH_BYTES } else { 0 })
             .saturating_add(REST + (self.scan.triangles * KEPT).min(MOST_KEPT));
         let framing = match self.scan.framing_bytes() {
             0 => 0,
@@ -137,7 +141,7 @@ impl MemoryEstimate {
         let simplifying = if self.simplifies { SIMPLIFYING } else { 0 };
         let inspecting = if self.inspects || self.noise.is_some() { INSPECTING } else { 0 };
         let [denoised, denoising] = self.denoised();
-        let scan = if self.is_sorted { self.scan.bytes() } else { self.scan.mesh_bytes() };
+        let scan = if self.is_sorted || self.remeshes { self.scan.bytes() } else { self.scan.mesh_bytes() };
         let working = (self.scan.triangles * simplifying.max(inspecting)).max(denoising);
         scan.saturating_add(denoised).saturating_add(working)
     }
@@ -295,6 +299,7 @@ mod tests {
             is_sorted: false,
             simplifies: true,
             low_triangles: 50_000,
+            remeshes: false,
             inspects: true,
             noise: None,
             texels: 1 << 22,

@@ -9,8 +9,7 @@ use crate::asset::ask::{BakeOptions, Lod};
 use crate::asset::bake::{
     Coarser, LevelLook, MadeAsset, Recipe, Rounding, StoredMaps, assign_object_map, bake_maps,
 };
-use crate::asset::source::{KeptTextures, LowPoly, Pair, RayLength, Rays, Scan, low_poly};
-use std::borrow::Cow;
+use crate::asset::source::{Base, KeptTextures, LowPoly, Pair, RayLength, Rays, Scan, low_poly};
 use std::sync::Arc;
 use taotie_engine::bake::{self, MapKind};
 use taotie_engine::error::{Error, Result, Warnings};
@@ -222,7 +221,7 @@ fn on_uvs(mesh: &Mesh, count: u32, progress: Progress<'_>) -> Result<Mesh> {
 struct LevelMaker<'a> {
     recipe: Recipe<'a>,
     scan: &'a Scan,
-    seen: Cow<'a, Mesh>,
+    base: Base<'a>,
     side: &'a Side<'a>,
     source: Source,
     finest: Finest<'a>,
@@ -237,13 +236,14 @@ impl<'a> LevelMaker<'a> {
         (scan, side): (&'a Scan, &'a Side<'a>),
         finest: Finest<'a>,
     ) -> Result<Self> {
-        let seen = low_poly::seen(scan, &mut Warnings::default())?;
+        // The finest level was made from the same base, which is built only once.
+        let base = low_poly::base(scan, recipe.options, &mut Warnings::default(), Progress::SILENT)?;
         let source = Source::of((recipe, scan), &finest)?;
         let triangles = match &finest {
             Finest::Made { low, .. } => low.mesh.triangles().len(),
             Finest::Packed(asset) => read(asset.glb.clone())?.triangle_count(),
         };
-        Ok(Self { recipe, scan, seen, side, source, finest, triangles })
+        Ok(Self { recipe, scan, base, side, source, finest, triangles })
     }
 
     /// Returns the number of triangles of the finest level.
@@ -452,7 +452,7 @@ impl<'a> LevelMaker<'a> {
     fn workshop(&self, level: Level) -> Workshop<'_> {
         let required = self.recipe.options.limits();
         let limits = (Goal::of(&required, level.number), Ceilings::of(&required));
-        let subject = Subject { scan: self.scan, seen: &self.seen, side: self.side, level };
+        let subject = Subject { scan: self.scan, base: &self.base, side: self.side, level };
         Workshop::new(self.recipe, limits, subject)
     }
 }

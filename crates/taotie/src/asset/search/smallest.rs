@@ -57,15 +57,15 @@ pub(in crate::asset) fn smallest(
     scan.sort(progress)?;
     let side = Side::of(scan.sorted());
     let mut warnings = Warnings::default();
-    let seen = low_poly::seen(scan, &mut warnings)?;
-    if seen.triangles().is_empty() {
+    let base = low_poly::base(scan, recipe.options, &mut warnings, progress)?;
+    if base.mesh.triangles().is_empty() {
         return Err(no_triangles());
     }
     let required = recipe.options.limits();
     let (goal, ceilings) = (Goal::of(&required, level.number), Ceilings::of(&required));
     let is_single = recipe.options.lods.is_empty();
     let ceilings = if is_single { ceilings } else { ceilings.of_level(level) };
-    let subject = Subject { scan, seen: &seen, side: &side, level };
+    let subject = Subject { scan, base: &base, side: &side, level };
     let mut workshop = Workshop::new(recipe, (goal.clone(), ceilings), subject);
     let (stage, tried) = (progress.begin("search")?, Arc::clone(&workshop.tried));
     // All stages of candidates are reported as this one.
@@ -89,6 +89,7 @@ pub(in crate::asset) fn smallest(
         Candidate::Made(draft, rounding) => {
             let Draft { shape, low, maps } = *draft;
             low_poly::note_simplified(workshop.simplified(shape, progress)?, shape.triangles, &mut warnings);
+            low_poly::note_opened(&low, &mut warnings);
             Smallest::Made(Box::new(MadeAsset { low, maps, size: shape.size, rounding }))
         }
     };
@@ -403,8 +404,8 @@ mod tests {
         let found = smallest(recipe, (scan, Level::FINEST), Progress::SILENT)?;
         let chosen = *found.trials.iter().find(|trial| trial.is_chosen).expect("one is chosen");
         let side = Side::of(scan.sorted());
-        let seen = low_poly::seen(scan, &mut Warnings::default())?;
-        let subject = Subject { scan, seen: &seen, side: &side, level: Level::FINEST };
+        let base = low_poly::base(scan, &options, &mut Warnings::default(), Progress::SILENT)?;
+        let subject = Subject { scan, base: &base, side: &side, level: Level::FINEST };
         let mut workshop = Workshop::new(recipe, (Goal::of(&goal, 0), Ceilings::of(&goal)), subject);
         match found.smallest {
             Smallest::Packed(asset) => {

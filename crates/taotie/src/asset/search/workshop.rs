@@ -3,7 +3,7 @@
 use super::goal::{Ceilings, Codecs, Goal, Level, Statistic};
 use crate::asset::ask::{BakeOptions, Looking, Requirement};
 use crate::asset::bake::{Recipe, Rounding, StoredMaps, Trial, bake_maps, chosen_side, refuse_astray};
-use crate::asset::source::{LowPoly, Pair, Relief, Scan, low_poly};
+use crate::asset::source::{Base, LowPoly, MadeFrom, Pair, Relief, Scan, low_poly};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -71,8 +71,8 @@ struct Read {
 #[derive(Clone, Copy)]
 pub(super) struct Subject<'a> {
     pub scan: &'a Scan,
-    /// The triangles that meshes are made from.
-    pub seen: &'a Mesh,
+    /// The surface that meshes are made from.
+    pub base: &'a Base<'a>,
     /// How it is sampled.
     pub side: &'a Side<'a>,
     pub level: Level,
@@ -152,7 +152,7 @@ impl<'a> Workshop<'a> {
     /// Returns the maximum number of triangles of a mesh: those that it is made from, or the ceiling.
     pub fn triangles(&self) -> u32 {
         let most = self.ceilings.most_triangles(self.has_other_maps());
-        most.min(self.subject.seen.triangles().len() as f64) as u32
+        most.min(self.subject.base.mesh.triangles().len() as f64) as u32
     }
 
     /// Returns the maximum side of maps for a scan with textures, texels: a new atlas needs more than preserves its
@@ -188,15 +188,19 @@ impl<'a> Workshop<'a> {
         self.subject.level
     }
 
-    /// Returns `true` if the packed scan itself would contain everything requested: no map must be baked, and it is
-    /// not a coarser level of a generated asset. Without its noise it has no motion or variants.
+    /// Returns `true` if the packed scan itself would contain everything requested: no map must be baked, it need not
+    /// be watertight, and it is not a coarser level of a generated asset. Without its noise it has no motion or variants.
     pub fn may_pack(&self) -> bool {
         let (options, scan) = (self.recipe.options, self.subject.scan);
         let about = &scan.about;
         let carried = about.carried.maps();
         let is_own = |map: &MapKind| *map == MapKind::Normal || carried.has(*map);
         let is_whole = !(scan.is_denoised && about.is_rigged);
-        is_whole && options.carry && self.subject.level.is_finest() && options.maps.iter().all(is_own)
+        is_whole
+            && options.carry
+            && !options.remesh
+            && self.subject.level.is_finest()
+            && options.maps.iter().all(is_own)
     }
 
     /// Returns `true` if the packed scan is likely to be the smallest, or is the only candidate that keeps the
@@ -220,7 +224,7 @@ impl<'a> Workshop<'a> {
     pub fn simplified(&mut self, shape: Shape, progress: Progress<'_>) -> Result<&Simplified> {
         let mesh = (shape.triangles, if shape.has_normal_map { Relief::Map } else { Relief::Vertices });
         if !self.known.contains_key(&mesh) {
-            let own = low_poly::simplified(self.subject.seen, mesh, progress)?;
+            let own = low_poly::simplified(self.subject.base, mesh, progress)?;
             let fitted = low_poly::fitted(self.subject.scan, own.clone(), progress)?;
             let is_better = shape.has_normal_map || self.angle(&fitted)? <= self.angle(&own)?;
             self.known.insert(mesh, if is_better { fitted } else { own });
@@ -249,10 +253,11 @@ impl<'a> Workshop<'a> {
     fn made(&mut self, shape: Shape, progress: Progress<'_>) -> Result<Draft> {
         let Shape { size, has_normal_map, .. } = shape;
         let scan = self.subject.scan;
+        let from = MadeFrom { scan, remesh: self.subject.base.remesh.as_ref() };
         let simplified = self.simplified(shape, progress)?;
         let mut low = match size {
-            0 => LowPoly::bare(scan, simplified),
-            _ => LowPoly::made(scan, simplified, size, progress)?,
+            0 => LowPoly::bare(from, simplified),
+            _ => LowPoly::made(from, simplified, size, progress)?,
         };
         low.material.alpha = low.alpha(self.recipe.options, scan);
         let pair = Pair { scan, low: &low };

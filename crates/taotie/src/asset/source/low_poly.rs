@@ -8,10 +8,12 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 use std::sync::Arc;
 use taotie_engine::bake::{
-    self, CageGroups, MapKind, Shells, Simplified, SimplifyMethod, SimplifyOptions, UnwrapOptions,
+    self, CageGroups, Faults, MapKind, Remesh, Remeshed, Shells, Simplified, SimplifyMethod, SimplifyOptions,
+    UnwrapOptions,
 };
 use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::image::{Bitmap, Texture};
+use taotie_engine::length::ShownLength;
 use taotie_engine::mesh::{Mesh, MeshData, RELIEF_OF_VERTICES};
 use taotie_engine::progress::Progress;
 use taotie_engine::scene::{AlphaMode, Material};
@@ -80,6 +82,9 @@ pub struct Simplification {
     pub method: String,
     /// The distance of the low-poly mesh from the scan as estimated by the simplifier, model units.
     pub error: f64,
+    /// The watertight outer surface that was simplified instead of the scan's own triangles, if it was requested.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub remesh: Option<Remesh>,
 }
 
 /// A material of a low-poly file that is kept.
@@ -118,6 +123,20 @@ pub(in crate::asset) struct KeptTextures {
     pub emission: Option<Bitmap>,
 }
 
+/// The surface that a low-poly mesh is made from.
+pub(in crate::asset) struct Base<'a> {
+    pub mesh: Cow<'a, Mesh>,
+    /// The remesh, if it is one.
+    pub remesh: Option<Remesh>,
+}
+
+/// A scan, and the remesh of it that is simplified, if it is one.
+#[derive(Clone, Copy)]
+pub(in crate::asset) struct MadeFrom<'a> {
+    pub scan: &'a Scan,
+    pub remesh: Option<&'a Remesh>,
+}
+
 /// A scan and the low-poly mesh made for it.
 #[derive(Clone, Copy)]
 pub(in crate::asset) struct Pair<'a> {
@@ -127,17 +146,22 @@ pub(in crate::asset) struct Pair<'a> {
 
 impl LowPoly {
     /// Unwraps a simplified scan for maps of this size.
-    pub fn made(scan: &Scan, simplified: &Simplified, size: u32, progress: Progress<'_>) -> Result<Self> {
-        let mut low = Self::bare(scan, simplified);
+    pub fn made(
+        from: MadeFrom<'_>,
+        simplified: &Simplified,
+        size: u32,
+        progress: Progress<'_>,
+    ) -> Result<Self> {
+        let mut low = Self::bare(from, simplified);
         low.mesh = unwrapped(&low.mesh, size, &mut low.origin, progress)?;
         low.mesh = framed(&low.mesh, progress)?;
         Ok(low)
     }
 
     /// Takes a simplified scan without uvs.
-    pub fn bare(scan: &Scan, simplified: &Simplified) -> Self {
+    pub fn bare(MadeFrom { scan, remesh }: MadeFrom<'_>, simplified: &Simplified) -> Self {
         let method = method_name(simplified.method).to_owned();
-        let simplification = Simplification { method, error: simplified.error };
+        let simplification = Simplification { method, error: simplified.error, remesh: remesh.cloned() };
         Self {
             mesh: simplified.mesh.clone(),
             origin: Origin { simplified: Some(simplification), ..Origin::default() },
@@ -203,8 +227,39 @@ fn method_name(method: SimplifyMethod) -> &'static str {
     }
 }
 
-/// Returns the triangles that a low-poly mesh is made from: the scan's without invisible parts, which are noted.
-pub(in crate::asset) fn seen<'a>(scan: &'a Scan, warnings: &mut Warnings) -> Result<Cow<'a, Mesh>> {
+/// Returns the surface that a low-poly mesh is made from: the scan's watertight outer surface if that is requested, else
+/// its triangles without invisible parts. The changes are noted.
+///
+/// # Errors
+/// Those of [`Scan::remeshed`].
+pub(in crate::asset) fn base<'a>(
+    scan: &'a Scan,
+    options: &BakeOptions,
+    warnings: &mut Warnings,
+    progress: Progress<'_>,
+) -> Result<Base<'a>> {
+    if !options.remesh {
+        return Ok(Base { mesh: seen(scan, warnings)?, remesh: None });
+    }
+    let Remeshed { mesh, facts } = scan.remeshed(progress)?;
+    let what = format!(
+        "remeshed: {} and {} of the scan became {}; holes up to {} wide are closed",
+        counted(facts.scan_shells, "separate part"),
+        counted(facts.open_borders, "open border"),
+        counted(facts.shells, "closed shell"),
+        ShownLength::of(facts.closing, scan.unit(), 3)
+    );
+    warnings.note(what, 1);
+    Ok(Base { mesh: Cow::Borrowed(mesh), remesh: Some(facts.clone()) })
+}
+
+/// Returns a number of things in words.
+fn counted(count: usize, thing: &str) -> String {
+    format!("{count} {thing}{}", if count == 1 { "" } else { "s" })
+}
+
+/// Returns the scan's triangles without invisible parts, which are noted.
+fn seen<'a>(scan: &'a Scan, warnings: &mut Warnings) -> Result<Cow<'a, Mesh>> {
     let Some(shells) = Shells::of(scan.mesh()) else { return Ok(Cow::Borrowed(scan.mesh())) };
     let Some((mesh, share)) = scan.with_sorted(|sorted| shells.without_hidden(sorted))? else {
         return Ok(Cow::Borrowed(scan.mesh()));
@@ -237,14 +292,40 @@ impl Relief {
     }
 }
 
-/// Simplifies the visible part of the scan.
+/// Simplifies the surface that a low-poly mesh is made from. If a remesh does not stay closed, slightly fewer triangles
+/// are tried.
 pub(in crate::asset) fn simplified(
-    seen: &Mesh,
+    base: &Base<'_>,
     (triangles, relief): (u32, Relief),
     progress: Progress<'_>,
 ) -> Result<Simplified> {
-    let options = SimplifyOptions { triangles: triangles as usize, normal_weight: relief.normal_weight() };
-    bake::simplify(seen, &options, progress.begin("simplify")?)
+    /// Further counts, each half a per cent lower.
+    const TRIES: usize = 3;
+    const STEP: usize = 200;
+    let progress = progress.begin("simplify")?;
+    let of_count = |count: usize| {
+        let options = SimplifyOptions { triangles: count, normal_weight: relief.normal_weight() };
+        bake::simplify(&base.mesh, &options, progress)
+    };
+    let count = triangles as usize;
+    let found = of_count(count)?;
+    let is_done = |found: &Simplified| base.remesh.is_none() || faulty_edges(&found.mesh) == 0;
+    if is_done(&found) {
+        return Ok(found);
+    }
+    for i in 1..=TRIES {
+        let other = of_count(count - (i * count).div_ceil(STEP))?;
+        if is_done(&other) {
+            return Ok(other);
+        }
+    }
+    Ok(found)
+}
+
+/// Returns the number of edges that no closed surface has.
+fn faulty_edges(mesh: &Mesh) -> usize {
+    let faults = Faults::of(mesh);
+    faults.open_edges + faults.crowded_edges
 }
 
 /// Gives a simplified scan the vertex normals closest to the scan's; sorts the scan if necessary.
@@ -257,6 +338,15 @@ pub(in crate::asset) fn fitted(
     progress.begin("fit normals")?;
     let mesh = bake::fit_normals(&simplified.mesh, scan.sorted())?;
     Ok(Simplified { mesh, ..simplified })
+}
+
+/// Notes the edges of a low-poly mesh made from a remesh that are no longer closed.
+pub(in crate::asset) fn note_opened(low: &LowPoly, warnings: &mut Warnings) {
+    if low.origin.simplified.as_ref().is_some_and(|simplified| simplified.remesh.is_some()) {
+        let what = "edges of the low-poly mesh that simplification left open or shared by more than two triangles; \
+                    a different triangle count may avoid that";
+        warnings.note(what, faulty_edges(&low.mesh));
+    }
 }
 
 /// Notes what simplification removed, and whether it reached the requested count.

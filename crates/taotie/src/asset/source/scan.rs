@@ -9,7 +9,7 @@ use super::material::{Carried, is_plain};
 use super::size::ScanSize;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
-use taotie_engine::bake::{self, TexturedMesh};
+use taotie_engine::bake::{self, Remeshed, TexturedMesh, Visibility};
 use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::length::Unit;
 use taotie_engine::mesh::Mesh;
@@ -108,6 +108,8 @@ pub struct Scan {
     sorted: Arc<OnceLock<bake::Scan>>,
     /// `true` if its noise was removed, so that it is not as in its file.
     pub(in crate::asset) is_denoised: bool,
+    /// Its watertight outer surface; empty until needed.
+    remeshed: Arc<OnceLock<Remeshed>>,
     pub(in crate::asset) about: Arc<About>,
     /// The limits within which it was read, and for other inputs of a bake of it.
     pub(in crate::asset) limits: Limits,
@@ -227,7 +229,14 @@ impl ScanFile {
             let Self { mut scene, mut about, limits } = self;
             correct(&mut scene, &mut about)?;
             let surface = Arc::new(bake::Scan::surface_of(scene)?);
-            Ok(Scan { surface, sorted: Arc::default(), is_denoised: false, about: Arc::new(about), limits })
+            Ok(Scan {
+                surface,
+                sorted: Arc::default(),
+                remeshed: Arc::default(),
+                is_denoised: false,
+                about: Arc::new(about),
+                limits,
+            })
         })
     }
 }
@@ -286,6 +295,26 @@ impl Scan {
             self.sorted();
         }
         Ok(())
+    }
+
+    /// Returns its watertight outer surface; the first call builds it, as a separate stage, and sorts the scan if
+    /// necessary.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`]; [`Error::Invalid`] for an interior; those of [`bake::remesh`].
+    pub(in crate::asset) fn remeshed(&self, progress: Progress<'_>) -> Result<&Remeshed> {
+        if let Some(remeshed) = self.remeshed.get() {
+            return Ok(remeshed);
+        }
+        self.sort(progress)?;
+        let progress = progress.begin("remesh the scan")?;
+        if Visibility::of(self.sorted()).is_interior() {
+            let why = "it is seen from within, as a room is, and its outer surface would show nothing of that; bake \
+                       it without remeshing";
+            return Err(Error::invalid("the scan to remesh", why));
+        }
+        let remeshed = bake::remesh(self.sorted(), progress)?;
+        Ok(self.remeshed.get_or_init(|| remeshed))
     }
 
     /// Returns true if it is already sorted for rays.
@@ -367,14 +396,15 @@ impl Scan {
             noise.remove(self.mesh(), progress.begin("remove the noise")?)?;
         let surface = Arc::new(self.surface.in_shape(mesh));
         let noise = Noise { removed: Some(change), ..noise };
-        let scan = Self { surface, sorted: Arc::default(), is_denoised: true, ..self };
+        let (sorted, remeshed) = (Arc::default(), Arc::default());
+        let scan = Self { surface, sorted, remeshed, is_denoised: true, ..self };
         Ok((scan, Some(ScanNoise { noise, angles })))
     }
 
     /// Frees the tree, and moves the triangles out unless a clone of this scan still holds them.
     pub(in crate::asset) fn into_scene(self) -> Result<Scene> {
-        let Self { surface, sorted, .. } = self;
-        drop(sorted);
+        let Self { surface, sorted, remeshed, .. } = self;
+        drop((sorted, remeshed));
         Arc::unwrap_or_clone(surface).into_scene()
     }
 }

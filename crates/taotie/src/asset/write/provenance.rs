@@ -35,6 +35,9 @@ pub struct Parameters(Value);
 struct Fields<'a> {
     /// The requested number of triangles; `None` if the mesh was given or searched for.
     triangles: Option<u32>,
+    /// `true` if the mesh was made from the scan's watertight outer surface; `None` if not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    remesh: Option<bool>,
     /// The requirements that the smallest asset had to meet, as for `--require`; `None` without a search.
     goal: Option<String>,
     /// The largest number of bytes; `None` if any is allowed.
@@ -193,6 +196,7 @@ impl Parameters {
         };
         let fields = Fields {
             triangles: (options.low.is_none() && !searched).then_some(options.triangles),
+            remesh: options.remesh.then_some(true),
             goal: options.goal.as_deref().map(requirement::argument),
             bytes: options.bytes,
             lods: &options.lods,
