@@ -17,8 +17,6 @@ mod json;
 mod limits;
 mod loaded;
 mod obj;
-#[cfg(any(feature = "avif", feature = "draco", feature = "basis", feature = "exr"))]
-mod panics;
 pub mod parse;
 mod ply;
 mod polygon;

@@ -1,11 +1,13 @@
 //! The context for reading one model or image: its limits, the memory used so far, and the files that it may refer
-//! to.
+//! to; and decoders of other projects, whose panics become values.
 
 use super::file;
 use super::limits::{Bytes, Limits, free_memory};
+use std::cell::Cell;
+use std::panic::{self, AssertUnwindSafe};
 use std::path::{Component, Path, PathBuf, Prefix};
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Once, OnceLock};
 use taotie_engine::error::{Error, Result};
 
 /// The context for reading one model or image. Every file that a model refers to is opened through it, and all
@@ -209,6 +211,35 @@ pub(super) fn no_such(what: &str, index: usize) -> String {
     format!("{what} {index} does not exist")
 }
 
+thread_local! {
+    /// `true` while a decoder runs on this thread and its panics are caught.
+    static CAUGHT_HERE: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Runs a decoder that may panic; returns `None` if it did. Nothing is printed then, since the caller returns an
+/// error. The decoder must stay on this thread.
+pub(super) fn caught<T>(decode: impl FnOnce() -> T) -> Option<T> {
+    keep_quiet_here();
+    let before = CAUGHT_HERE.replace(true);
+    // A half-finished decoder is dropped with all its state: it owns everything it changes.
+    let attempt = panic::catch_unwind(AssertUnwindSafe(decode));
+    CAUGHT_HERE.set(before);
+    attempt.ok()
+}
+
+/// Wraps the process's panic hook, once, with one that ignores panics caught here.
+fn keep_quiet_here() {
+    static WRAPPED: Once = Once::new();
+    WRAPPED.call_once(|| {
+        let usual = panic::take_hook();
+        panic::set_hook(Box::new(move |about| {
+            if !CAUGHT_HERE.get() {
+                usual(about);
+            }
+        }));
+    });
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -314,5 +345,13 @@ mod tests {
         }
         std::fs::write(folder.join("secret.png"), "").unwrap();
         assert_eq!(find("../secret.png", false), Ok(Some(folder.join("secret.png"))));
+    }
+
+    #[test]
+    fn a_panic_becomes_nothing_and_leaves_no_mark() {
+        assert_eq!(caught(|| 7), Some(7));
+        assert_eq!(caught(|| caught(|| -> u8 { panic!("inner") }).map_or(1, |_| 2)), Some(1));
+        assert_eq!(caught(|| -> u8 { panic!("outer") }), None);
+        assert!(!CAUGHT_HERE.get(), "later panics are reported again");
     }
 }

@@ -179,7 +179,7 @@ fn maps_come_back_in_every_format() {
     }
 }
 
-/// Writes smooth pictures in the block formats of GPUs, whose sizes are no multiples of 4, and reads them back.
+/// Writes smooth pictures in the block formats of GPUs, of sides that do not divide by 4, and reads them back.
 #[test]
 fn dds_is_close_to_the_picture_it_was_made_from() {
     let (width, height) = (38u32, 21u32);

@@ -78,7 +78,7 @@ impl BakeArgs {
         }
     }
 
-    /// Returns true if the output stands for a file for each UDIM tile.
+    /// Returns true if there is an output for each UDIM tile.
     fn has_tiles(&self) -> bool {
         self.output.file_name().is_some_and(|name| name.to_string_lossy().contains("<UDIM>"))
     }

@@ -4,7 +4,7 @@ use super::balls::{Ball, LOW, SCAN};
 use super::place::Place;
 use serde_json::{Value, json};
 
-/// Returns balls as ASCII FBX with y up, in a unit of so many centimetres.
+/// Returns balls as ASCII FBX with y up, in a unit of `centimetres`.
 fn fbx(balls: &[(&str, Ball)], centimetres: f64) -> String {
     let objects: String =
         balls.iter().enumerate().map(|(i, (name, ball))| object(name, ball, 2 * i + 1)).collect();

@@ -2,7 +2,7 @@
 
 use super::projection::{Among, Correspondence, ProjectionRay};
 use super::scan::Scan;
-use super::skew::Skew;
+use super::skew::{Evidence, Skew};
 use crate::error::{Error, Result};
 use crate::image::Texture;
 use crate::math::{Vec3, integration};
@@ -265,38 +265,6 @@ fn directions(low: &Mesh) -> Vec<Vec3> {
     }
     let means = surface::mean_by_position(low, low.normals());
     means.into_iter().zip(around).map(|(mean, around)| mean.normalize_or(around)).collect()
-}
-
-/// How the scan runs along a triangle of a low-poly mesh, by a few of its points.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Evidence {
-    /// The largest distance of the scan, model units.
-    gap: f32,
-    /// 1 − cos of the angles of the scan's normals to the triangle's, times the area that they stand for.
-    off_face: f32,
-    /// The same to the blended directions.
-    off_directions: f32,
-    /// The area that these stand for.
-    area: f32,
-}
-
-impl Evidence {
-    /// Returns that of both.
-    pub fn and(self, o: Self) -> Self {
-        Self {
-            gap: self.gap.max(o.gap),
-            off_face: self.off_face + o.off_face,
-            off_directions: self.off_directions + o.off_directions,
-            area: self.area + o.area,
-        }
-    }
-
-    /// Returns `true` if the scan clearly follows the triangles rather than the blended directions.
-    pub fn is_skewed(&self) -> bool {
-        /// 1 − cos of 3°: less hardly shifts relief.
-        const LEAST: f32 = 0.00137;
-        self.off_directions > LEAST * self.area && self.off_face < 0.5 * self.off_directions
-    }
 }
 
 /// The positions where gaps between a mesh and its scan are measured.

@@ -6,7 +6,6 @@
 //! threads.
 
 mod appearance;
-mod bevel;
 mod cage;
 mod coverage;
 mod faults;

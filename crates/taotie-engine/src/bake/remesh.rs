@@ -55,7 +55,7 @@ const MOST_VERTICES: usize = 3_000_000;
 pub struct Remeshed {
     /// A closed manifold of positions and triangles that faces outward.
     pub mesh: Mesh,
-    /// What changed.
+    /// The changes.
     pub facts: Remesh,
 }
 

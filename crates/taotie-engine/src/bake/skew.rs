@@ -1,7 +1,6 @@
 //! Skew correction: projection rays on flat faces of a low-poly mesh follow the face instead of the normals averaged at
 //! its edges, which would shift the relief of the scan sideways.
 
-use super::cage::Evidence;
 use crate::groups::Groups;
 use crate::image::{Sampler, Texture};
 use crate::math::Vec3;
@@ -9,6 +8,38 @@ use crate::mesh::{Mesh, Point};
 use crate::parallel;
 use crate::surface::{Bends, facet_normal};
 use std::sync::Arc;
+
+/// How the scan runs along a triangle of a low-poly mesh, by a few of its points.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Evidence {
+    /// The largest distance of the scan, model units.
+    pub gap: f32,
+    /// 1 − cos of the angles of the scan's normals to the triangle's, times the area that each represents.
+    pub off_face: f32,
+    /// The same to the blended directions.
+    pub off_directions: f32,
+    /// The area that these represent.
+    pub area: f32,
+}
+
+impl Evidence {
+    /// Returns that of both.
+    pub fn and(self, o: Self) -> Self {
+        Self {
+            gap: self.gap.max(o.gap),
+            off_face: self.off_face + o.off_face,
+            off_directions: self.off_directions + o.off_directions,
+            area: self.area + o.area,
+        }
+    }
+
+    /// Returns `true` if the scan clearly follows the triangles rather than the blended directions.
+    pub fn is_skewed(&self) -> bool {
+        /// 1 − cos of 3°: less hardly shifts relief.
+        const LEAST: f32 = 0.00137;
+        self.off_directions > LEAST * self.area && self.off_face < 0.5 * self.off_directions
+    }
+}
 
 /// How directions of projection rays turn towards the normals of the low-poly mesh's triangles.
 #[derive(Debug, Clone, Default)]

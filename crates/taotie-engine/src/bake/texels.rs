@@ -1,14 +1,13 @@
 //! Baking: each sample of each texel finds its point on the scan, and the texel averages the values there.
 
 use super::appearance::{MaterialSample, under_mode};
-use super::bevel::Bevel;
 use super::cage::Cage;
 use super::fill::fill;
 use super::layout::{BAND, Layout, TriangleSamples};
 use super::maps::{BakeCounts, Baked, BakedMaps, BandMaps, MapKind, Maps, Plane, TexelStatus};
 use super::projection::{Correspondence, ProjectionRay, search};
 use super::scan::Scan;
-use super::sky::{AoSample, Sky};
+use super::sky::{AoSample, Bevel, Sky};
 use super::texel_sums::{MaterialSums, OF_POINTS, PointSums};
 use super::texture_lookup::LookupPoint;
 use crate::error::{Error, Result};

@@ -10,7 +10,6 @@ mod distance;
 mod mismatch;
 mod overview;
 mod patch;
-mod region;
 mod silhouette;
 mod statistics;
 
@@ -20,8 +19,7 @@ pub use mismatch::Mismatch;
 pub use overview::{
     ImageLook, Overview, Picture, PixelDifferences, Relook, Shown, overview, pixel_differences,
 };
-pub use patch::{Patch, PatchQuantity, PatchView, Window, most_missing, worst_patch};
-pub use region::{Region, WorstRegions};
+pub use patch::{Patch, PatchQuantity, PatchView, Region, Window, WorstRegions, most_missing, worst_patch};
 pub use silhouette::{SilhouetteFigures, silhouettes};
 pub use statistics::{Estimate, Exceedance, Share, share_interval};
 

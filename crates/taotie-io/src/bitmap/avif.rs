@@ -1,7 +1,6 @@
 //! AVIF: the container through `avif-parse`, AV1 through `re_rav1d`, and the conversion from luma and chroma to RGB.
 
-use super::super::panics::caught;
-use super::super::reading::Reading;
+use super::super::reading::{Reading, caught};
 use super::limits::{Failure, MAX_TEXELS_OF_PLAIN, TexelRoom, check_room, check_size, credible};
 use avif_parse::{AV1Metadata, AvifData, read_avif};
 use re_rav1d::dav1d::pixel::{MatrixCoefficients, YUVRange};

@@ -1,7 +1,6 @@
 //! DDS images with the block formats of GPUs, BC1 to BC5 and BC7, through the crates `ddsfile` and `block_compression`.
 
-use super::super::panics::caught;
-use super::super::reading::Reading;
+use super::super::reading::{Reading, caught};
 use super::limits::{Failure, MAX_TEXELS_OF_PLAIN, TexelRoom, check_room, check_size, credible};
 use block_compression::decode::decompress_blocks_as_rgba8;
 use block_compression::encode::compress_rgba8;

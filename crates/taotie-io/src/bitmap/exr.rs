@@ -1,8 +1,7 @@
 //! OpenEXR through the `exr` crate, which reads any channels, while `image` requires red, green and blue.
 
 use super::super::limits::Bytes;
-use super::super::panics::caught;
-use super::super::reading::Reading;
+use super::super::reading::{Reading, caught};
 use super::limits::{Failure, check_size, credible};
 use exr::block::reader::Reader;
 use exr::meta::header::Header;

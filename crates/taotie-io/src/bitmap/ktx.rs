@@ -1,8 +1,7 @@
 //! KTX2 images with Basis Universal data, ETC1S or UASTC, through the `basisu` crate: all that KHR_texture_basisu
 //! allows.
 
-use super::super::panics::caught;
-use super::super::reading::Reading;
+use super::super::reading::{Reading, caught};
 use super::limits::{Failure, MAX_TEXELS_OF_PLAIN, TexelRoom, check_room, check_size, credible};
 use basisu::{DecodeFlags, Error, TargetFormat, Transcoder};
 use taotie_engine::image::{Bitmap, Texels};

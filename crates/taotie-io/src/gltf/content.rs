@@ -3,7 +3,7 @@
 
 use super::accessor::{Accessor, float};
 use super::document::Document;
-use super::extensions::{DRACO, extension};
+use super::document::{DRACO, extension};
 use super::geometry::{Vertices, attribute, compact, read_indices, triangulate};
 use super::primitives::{bytes_of, most_elements};
 use super::raw::{GltfSource, RawGltf};

@@ -3,9 +3,9 @@
 //! Every compressed primitive is unpacked when the file is opened. Its accessors get the unpacked elements instead of
 //! those in their buffer views, so that no other code has to know about it.
 
-use super::super::panics::caught;
+use super::super::reading::caught;
 use super::super::reading::{Reading, Reason, no_such};
-use super::extensions::{DRACO, extension};
+use super::document::{DRACO, extension};
 use super::resources::{Buffers, Supplied, Supply};
 use draco_core::draco_types::DataType;
 use draco_core::geometry_indices::PointIndex;

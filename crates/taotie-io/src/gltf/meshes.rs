@@ -3,7 +3,7 @@
 
 use super::accessor::Accessor;
 use super::document::Document;
-use super::extensions::extension;
+use super::document::extension;
 use super::nodes::{Nodes, from_columns};
 use super::primitives::{Built, NOT_TRIANGLES, Pose, Primitives, Stop};
 use crate::loaded::{Mapping, Variants};

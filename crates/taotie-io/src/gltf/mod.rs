@@ -8,7 +8,6 @@ mod content;
 mod document;
 #[cfg(feature = "draco")]
 mod draco;
-mod extensions;
 mod geometry;
 mod materials;
 mod meshes;
@@ -21,8 +20,8 @@ mod statistics;
 mod textures;
 
 pub(super) use content::{Content, StoredAttribute, StoredVertices, missing_tangents};
-pub use extensions::GLTF_EXTENSIONS;
-pub(super) use extensions::{INSTANCING, OF_TEXTURES, is_known};
+pub use document::GLTF_EXTENSIONS;
+pub(super) use document::{INSTANCING, OF_TEXTURES, is_known};
 pub(super) use geometry::compact;
 pub use raw::{GltfSource, StoredImage, StoredParts};
 pub(super) use raw::{RawGltf, image_bytes, uses};

@@ -1,7 +1,7 @@
 //! The sizes of a document's contents, in bytes of the file and of GPU memory, and their counts.
 
 use super::document::Document;
-use super::extensions::{DRACO, extension};
+use super::document::{DRACO, extension};
 use super::meshopt;
 use super::nodes::Nodes;
 use super::raw::GltfSource;

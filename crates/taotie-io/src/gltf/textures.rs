@@ -2,7 +2,7 @@
 //! encoding.
 
 use super::document::Document;
-use super::extensions::OF_TEXTURES;
+use super::document::OF_TEXTURES;
 use super::geometry::MAX_UV_SETS;
 use super::resources::{ByteSource, locate, shortened};
 use crate::bitmap::{count_copy, count_first, decode_within};

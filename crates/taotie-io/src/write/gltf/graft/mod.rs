@@ -2,8 +2,7 @@
 //! targets, animations, cameras, names, extras, and accessors to the last bit. Primitives without tangents get them
 //! if they show a normal map, provided that no vertex has to be split.
 
-mod factors;
-mod geometry;
+mod changes;
 
 use super::codec::CodecKind;
 use super::draft::{Container, encoded_glb, uri};
@@ -16,7 +15,7 @@ use crate::json::Json;
 use crate::limits::Limits;
 use crate::write::FileBytes;
 use crate::xmp;
-use factors::GLOSSINESS;
+use changes::GLOSSINESS;
 use serde_json::{Value, json};
 use std::path::Path;
 use taotie_engine::error::{Result, Warnings};
@@ -99,18 +98,18 @@ pub fn encode_graft(path: &Path, graft: &GltfGraft, format: &GltfFormat) -> Resu
     let mut raw = RawGltf::read(graft.source, &graft.limits)?;
     let own_images = edit::items(&raw.json, "images").len();
     let (mut external, mut warnings) = (Vec::new(), Warnings::default());
-    let glossy = factors::count_glossy(&raw.json);
+    let glossy = changes::count_glossy(&raw.json);
     for material in graft.materials {
         external.extend(graft_material(&mut raw, material, format, storage)?);
     }
     let what = format!("dropped {GLOSSINESS} of the low-poly mesh's materials");
-    let uncovered = glossy - factors::count_glossy(&raw.json);
+    let uncovered = glossy - changes::count_glossy(&raw.json);
     warnings.note(format!("{what}: viewers would show it instead of the bake"), uncovered);
     let mapped = graft.materials.iter().filter(|grafted| grafted.material.normal_map.is_some());
     let mapped: Vec<usize> = mapped.map(|grafted| grafted.number).collect();
-    geometry::give_tangents(&mut raw, graft.source, &mapped)?;
+    changes::give_tangents(&mut raw, graft.source, &mapped)?;
     if let Some(scale) = graft.root_scale {
-        geometry::scale_to_metres(&mut raw, scale, &mut warnings)?;
+        changes::scale_to_metres(&mut raw, scale, &mut warnings)?;
     }
     say_about(&mut raw.json, graft);
     let own_images = prune(&mut raw.json, own_images);
@@ -135,7 +134,7 @@ fn graft_material(
 ) -> Result<Vec<FileBytes>> {
     let GraftedMaterial { number, label, ref material, .. } = *grafted;
     material.check()?;
-    geometry::give_default_material(&mut raw.json, number);
+    changes::give_default_material(&mut raw.json, number);
     if number >= edit::items(&raw.json, "materials").len() {
         return Err(raw.error(format!("material {number}"), "no longer exists; bake again"));
     }
@@ -150,10 +149,10 @@ fn graft_material(
         }
     }
     let json = &mut raw.json["materials"][number];
-    factors::graft(json, material, grafted.said, textures);
-    factors::extensions(json).iter().for_each(|name| edit::name(&mut raw.json, "extensionsUsed", name));
+    changes::graft(json, material, grafted.said, textures);
+    changes::extensions(json).iter().for_each(|name| edit::name(&mut raw.json, "extensionsUsed", name));
     if grafted.drops_colors {
-        geometry::drop_colors(&mut raw.json, number);
+        changes::drop_colors(&mut raw.json, number);
     }
     let Storage::Separate(path) = storage else { return Ok(Vec::new()) };
     let labeled = path.with_file_name(format!("{}.gltf", stem(path, label)));
