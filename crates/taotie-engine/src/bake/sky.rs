@@ -1,4 +1,4 @@
-//! What rays around a point of a scan find: the open part of the hemisphere over it, the depth below it, and normals
+//! Rays around a point of a scan: the open part of the hemisphere over it, the depth below it, and normals
 //! with rounded edges.
 
 use super::projection::Correspondence;

@@ -3,9 +3,9 @@
 
 use super::accessor::{Accessor, float};
 use super::document::Document;
-use super::document::{DRACO, extension};
 use super::geometry::{Vertices, attribute, compact, read_indices, triangulate};
 use super::primitives::{bytes_of, most_elements};
+use super::raw::{DRACO, extension};
 use super::raw::{GltfSource, RawGltf};
 use super::resources::Supplied;
 use super::textures::read_image;

@@ -5,7 +5,7 @@
 
 use super::super::reading::caught;
 use super::super::reading::{Reading, Reason, no_such};
-use super::document::{DRACO, extension};
+use super::raw::{DRACO, extension};
 use super::resources::{Buffers, Supplied, Supply};
 use draco_core::draco_types::DataType;
 use draco_core::geometry_indices::PointIndex;

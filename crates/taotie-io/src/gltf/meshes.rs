@@ -3,9 +3,9 @@
 
 use super::accessor::Accessor;
 use super::document::Document;
-use super::document::extension;
 use super::nodes::{Nodes, from_columns};
 use super::primitives::{Built, NOT_TRIANGLES, Pose, Primitives, Stop};
+use super::raw::extension;
 use crate::loaded::{Mapping, Variants};
 use crate::reading::{Reason, no_such};
 use gltf::json::mesh::Primitive;

@@ -20,10 +20,10 @@ mod statistics;
 mod textures;
 
 pub(super) use content::{Content, StoredAttribute, StoredVertices, missing_tangents};
-pub use document::GLTF_EXTENSIONS;
-pub(super) use document::{INSTANCING, OF_TEXTURES, is_known};
 pub(super) use geometry::compact;
+pub use raw::GLTF_EXTENSIONS;
 pub use raw::{GltfSource, StoredImage, StoredParts};
+pub(super) use raw::{INSTANCING, OF_TEXTURES, is_known};
 pub(super) use raw::{RawGltf, image_bytes, uses};
 pub use statistics::{ContentSize, GltfSizes, ImageSize};
 

@@ -3,8 +3,8 @@
 //! that move nodes.
 
 use super::accessor::Accessor;
-use super::document::INSTANCING;
 use super::document::{Document, check_nodes};
+use super::raw::INSTANCING;
 use crate::reading::{Reason, no_such};
 use gltf::json::animation::{Interpolation as JsonInterpolation, Property};
 use gltf::json::extensions::scene::khr_lights_punctual::{Light as JsonLight, Type as LightType};

@@ -1,10 +1,10 @@
 //! The sizes of a document's contents, in bytes of the file and of GPU memory, and their counts.
 
 use super::document::Document;
-use super::document::{DRACO, extension};
 use super::meshopt;
 use super::nodes::Nodes;
 use super::raw::GltfSource;
+use super::raw::{DRACO, extension};
 use super::resources::{ByteSource, locate};
 use super::textures::{image_name, sources};
 use crate::bitmap::{ImageHeader, KTX2_TYPE};

@@ -2,8 +2,8 @@
 //! encoding.
 
 use super::document::Document;
-use super::document::OF_TEXTURES;
 use super::geometry::MAX_UV_SETS;
+use super::raw::OF_TEXTURES;
 use super::resources::{ByteSource, locate, shortened};
 use crate::bitmap::{count_copy, count_first, decode_within};
 use crate::reading::{Reason, no_such};

@@ -35,6 +35,7 @@ mod scan_creases;
 mod scan_faults;
 mod seams;
 mod simplify;
+mod skew;
 mod sound;
 mod spoiled;
 mod unwrap;

@@ -97,7 +97,7 @@ pub struct BakeOptions {
     /// Triangles of the low-poly mesh, at least 4; ignored with `low`, `goal` or `bytes`.
     pub triangles: u32,
     /// `true` if the low-poly mesh is made from the scan's watertight outer surface ([`taotie_engine::bake::remesh`])
-    /// instead of its own triangles; not with `low`. The packed scan is then no candidate of a search.
+    /// rather than from its triangles; not with `low`. A search then leaves the packed scan out.
     pub remesh: bool,
     /// Finds the smallest asset in bytes that meets these requirements, as far as they concern visible angles and
     /// colours; for whichever of the two they do not mention, [`Requirement::visually_lossless`] applies. The asset

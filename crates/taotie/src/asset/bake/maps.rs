@@ -2,10 +2,9 @@
 
 use super::judgement::{Misses, refuse_no_hit};
 use crate::asset::ask::BakeOptions;
-use crate::asset::source::{KeptTextures, LowPoly, Metalness, Pair, RayLength, Rays, Scan, Skew};
+use crate::asset::source::{KeptTextures, LowPoly, Metalness, Pair, Rays, Scan};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use taotie_engine::bake::{
     self, BakeCounts, BakeInput, BakeSettings, Baked, BakedMaps, Cage, MapContent, MapKind, Maps, Plane,
     TexelStatus,
@@ -56,7 +55,7 @@ pub(in crate::asset) fn bake_maps(
     let Pair { scan, low } = pair;
     scan.sort(progress)?;
     progress.begin("measure the gap")?;
-    let cage = cage(rays, low, scan)?;
+    let cage = rays.cage(pair)?;
     let settings = BakeSettings {
         size,
         side: options.side,
@@ -74,31 +73,6 @@ pub(in crate::asset) fn bake_maps(
     progress.begin("store")?;
     let textures = Textures::new(&maps, options, pair)?;
     Ok(StoredMaps { textures, counts, cage })
-}
-
-fn cage(rays: &Rays, low: &LowPoly, scan: &Scan) -> Result<Cage> {
-    let groups = || low.groups.clone();
-    let is_corrected = matches!(rays.skew, Skew::Corrected);
-    let cage = match &rays.length {
-        RayLength::Auto => Cage::automatic_in(&low.shape(), scan.sorted(), groups()),
-        RayLength::Uniform(distance) => {
-            let cage = Cage::uniform(&low.shape(), *distance as f32)?.with_groups(groups());
-            if is_corrected { cage.straightened(&low.shape(), scan.sorted()) } else { cage }
-        }
-        RayLength::Cage(cage) => {
-            let made = match &low.own {
-                Some(own) => Cage::from_mesh(&low.mesh, &cage.part(&own.triangles)?),
-                None => Cage::from_mesh(&low.mesh, &cage.mesh),
-            };
-            made.map(|made| made.with_groups(groups())).map_err(|error| cage.named(error))?
-        }
-    };
-    let cage = match &rays.skew {
-        Skew::Corrected => cage,
-        Skew::Kept => cage.skewed(),
-        Skew::Mask(mask) => cage.straightened_by(Arc::clone(mask)),
-    };
-    Ok(cage.scaled(&low.ray_factors))
 }
 
 /// Baked maps, encoded for storage.

@@ -8,8 +8,8 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 use std::sync::Arc;
 use taotie_engine::bake::{
-    self, CageGroups, Faults, MapKind, Remesh, Remeshed, Shells, Simplified, SimplifyMethod, SimplifyOptions,
-    UnwrapOptions,
+    self, Cage, CageGroups, Faults, MapKind, Remesh, Remeshed, Shells, Simplified, SimplifyMethod,
+    SimplifyOptions, UnwrapOptions,
 };
 use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::image::{Bitmap, Texture};
@@ -402,6 +402,37 @@ pub(in crate::asset) enum RayLength {
     /// One length, model units.
     Uniform(f64),
     Cage(CageMesh),
+}
+
+impl Rays {
+    /// Returns the cage of a low-poly mesh.
+    ///
+    /// # Errors
+    /// Those of [`Cage::uniform`] and [`Cage::from_mesh`].
+    pub fn cage(&self, Pair { scan, low }: Pair<'_>) -> Result<Cage> {
+        let groups = || low.groups.clone();
+        let is_corrected = matches!(self.skew, Skew::Corrected);
+        let cage = match &self.length {
+            RayLength::Auto => Cage::automatic_in(&low.shape(), scan.sorted(), groups()),
+            RayLength::Uniform(distance) => {
+                let cage = Cage::uniform(&low.shape(), *distance as f32)?.with_groups(groups());
+                if is_corrected { cage.straightened(&low.shape(), scan.sorted()) } else { cage }
+            }
+            RayLength::Cage(cage) => {
+                let made = match &low.own {
+                    Some(own) => Cage::from_mesh(&low.mesh, &cage.part(&own.triangles)?),
+                    None => Cage::from_mesh(&low.mesh, &cage.mesh),
+                };
+                made.map(|made| made.with_groups(groups())).map_err(|error| cage.named(error))?
+            }
+        };
+        let cage = match &self.skew {
+            Skew::Corrected => cage,
+            Skew::Kept => cage.skewed(),
+            Skew::Mask(mask) => cage.straightened_by(Arc::clone(mask)),
+        };
+        Ok(cage.scaled(&low.ray_factors))
+    }
 }
 
 /// The mesh of a cage.

@@ -18,7 +18,9 @@ pub(super) use given::{GivenMesh, Inputs};
 pub use low_file::into_metres;
 pub(super) use low_file::{Document, from_metres, is_in_scan_unit, root_scale};
 pub(super) use low_material::{LowLook, Metalness};
-pub(super) use low_poly::{Base, KeptTextures, LowPoly, MadeFrom, Pair, RayLength, Rays, Relief, Skew};
+#[cfg(test)]
+pub(super) use low_poly::Skew;
+pub(super) use low_poly::{Base, KeptTextures, LowPoly, MadeFrom, Pair, RayLength, Rays, Relief};
 pub use low_poly::{Origin, Simplification};
 pub(super) use material::{Carried, Found, Property, is_plain, used_materials};
 pub(super) use scan::{About, ScanNoise, all_files, is_gltf, stated_unit, warnings_of_packed_scan};

@@ -1,4 +1,4 @@
-//! What a bake changes in a document: the values of a material, of which everything else stays as written; the default
+//! Changes of a document by a bake: the values of a material, of which everything else stays as written; the default
 //! material, vertex colours and tangents of primitives; and a root node that scales everything to metres.
 
 use super::super::draft::VERTICES;
