@@ -206,16 +206,20 @@ fn two_hundred_overlapping_shells_have_a_closed_outer_surface() {
     let there = distances(&found.mesh, &soup, diagonal);
     let far = there.partition_point(|away| *away < NEAR) as f64 / there.len() as f64;
     assert!(far > 0.99 && there[there.len() - 1] < 0.0125, "{far} {:?}", there.last());
-    // All that can be seen, and is touched by a ball slightly wider than the closing, is kept.
-    let radius = 0.625 * found.facts.closing as f32;
+    // All that a ball slightly wider than the closing reaches straight from outside is kept.
+    let radius = 0.65 * found.facts.closing as f32;
     let remeshed = Bvh::of(found.mesh.triangles().len(), |t| found.mesh.corners(t));
-    let points = points(scan.mesh(), 0.02);
+    let points = points(scan.mesh(), 0.05);
     let aways = parallel::collect(points.len(), |i| {
         let p = points[i].position(scan.mesh());
         let normal = facet_normal(scan.mesh().corners(points[i].triangle as usize)).unwrap();
-        let is_free = scan.bvh().closest(p + normal * radius, radius * 0.99).is_none();
-        let is_open = is_free && scan.is_seen(points[i]);
-        is_open.then(|| f64::from(remeshed.closest(p, f32::INFINITY).unwrap().distance) / diagonal)
+        let steps = (2.0 * diagonal as f32 / radius) as u32;
+        let is_free = |step: u32| {
+            let center = p + normal * (radius * (1.0 + 0.5 * step as f32));
+            scan.bvh().closest(center, radius * 0.99).is_none()
+        };
+        let away = || f64::from(remeshed.closest(p, f32::INFINITY).unwrap().distance) / diagonal;
+        (0..steps).all(is_free).then(away)
     });
     let aways: Vec<f64> = aways.into_iter().flatten().collect();
     let back = aways.iter().copied().fold(0.0, f64::max);
