@@ -405,8 +405,8 @@ impl<const N: usize> Fit<N> {
         }
         let coefficients = solved(squares, products)?;
         let fit = Self { frame, coefficients, freedom, variance: 0.0 };
-        let square = |place: &u32| fit.residual(surroundings.position(*place)).powi(2);
-        let variance = places.iter().map(square).sum::<f64>() / freedom as f64;
+        let residuals = places.iter().map(|place| fit.residual(surroundings.position(*place)));
+        let variance = residuals.map(|residual| residual * residual).sum::<f64>() / freedom as f64;
         Some(Self { variance, ..fit })
     }
 
