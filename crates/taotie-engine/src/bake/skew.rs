@@ -3,7 +3,7 @@
 
 use crate::groups::Groups;
 use crate::image::{Sampler, Texture};
-use crate::math::Vec3;
+use crate::math::{Vec3, scalar};
 use crate::mesh::{Mesh, Point};
 use crate::parallel;
 use crate::surface::{Bends, facet_normal};
@@ -165,7 +165,7 @@ impl FaceShape<'_> {
             .map(corners)
             .fold(Vec3::default(), |sum, [a, b, c]| sum + (b - a).cross(c - a));
         let normal = sum.normalize_or(Vec3::default());
-        let least = FLAT_DEG.to_radians().cos() as f32;
+        let least = scalar::cos(FLAT_DEG.to_radians()) as f32;
         let is_flat = |t: &u32| facet_normal(corners(t)).is_none_or(|facet| facet.dot(normal) >= least);
         if !self.triangles.iter().all(is_flat) {
             return None;
@@ -174,7 +174,7 @@ impl FaceShape<'_> {
         let cosine = vertices().map(|v| directions[v as usize].dot(normal)).fold(1.0, f32::min);
         let distance = vertices().map(|v| distances[v as usize]).fold(0.0, f32::max);
         let tangent = (1.0 - cosine * cosine).max(0.0).sqrt() / cosine.max(f32::MIN_POSITIVE);
-        let is_skewed = tangent > STRAIGHT_DEG.to_radians().tan() as f32;
+        let is_skewed = cosine < scalar::cos(STRAIGHT_DEG.to_radians()) as f32;
         is_skewed.then_some((normal, distance * tangent.min(STEEPEST)))
     }
 }

@@ -126,7 +126,7 @@ pub(crate) fn encode_dds(bitmap: &Bitmap, encoding: Encoding) -> Result<Vec<u8>>
         caps2: None,
         is_cubemap: false,
         resource_dimension: D3D10ResourceDimension::Texture2D,
-        alpha_mode: if bitmap.channels() % 2 == 0 { AlphaMode::Straight } else { AlphaMode::Opaque },
+        alpha_mode: if bitmap.channels().is_multiple_of(2) { AlphaMode::Straight } else { AlphaMode::Opaque },
     })
     .map_err(|error| Error::invalid("a DDS", error.to_string()))?;
     dds.data = levels.concat();
@@ -145,7 +145,7 @@ fn blocks(level: &Bitmap, variant: CompressionVariant) -> Vec<u8> {
             let (x, y) = ((i % across).min(width - 1), (4 * row + i / across).min(height - 1));
             let [r, g, b, a] = level.stored(y * width + x).map(code);
             // Mip levels of normals have their variance in alpha.
-            [r, g, b, if level.channels() % 2 == 0 { a } else { 255 }]
+            [r, g, b, if level.channels().is_multiple_of(2) { a } else { 255 }]
         });
         let texels: Vec<u8> = texels.collect();
         let mut blocks = vec![0; variant.blocks_byte_size(across as u32, 4)];
