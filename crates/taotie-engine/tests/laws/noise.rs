@@ -121,11 +121,11 @@ fn mean_angle(a: &Mesh, b: &Mesh) -> f64 {
 
 #[test]
 fn known_noise_is_measured_and_its_removal_halves_it() {
-    let shapes: [(&str, &dyn Fn(u32) -> Mesh, [u32; 2]); 4] = [
-        ("sphere", &sphere, [16, 48]),
-        ("bumpy ball", &bumpy, [28, 56]),
-        ("rounded cube", &rounded, [32, 64]),
-        ("cube", &cube, [24, 56]),
+    let shapes: [(&str, fn(u32) -> Mesh, [u32; 2]); 4] = [
+        ("sphere", sphere, [16, 48]),
+        ("bumpy ball", bumpy, [28, 56]),
+        ("rounded cube", rounded, [32, 64]),
+        ("cube", cube, [24, 56]),
     ];
     for (name, shape, sizes) in shapes {
         for n in sizes {
