@@ -121,7 +121,8 @@ fn mean_angle(a: &Mesh, b: &Mesh) -> f64 {
 
 #[test]
 fn known_noise_is_measured_and_its_removal_halves_it() {
-    let shapes: [(&str, fn(u32) -> Mesh, [u32; 2]); 4] = [
+    type Shape = fn(u32) -> Mesh;
+    let shapes: [(&str, Shape, [u32; 2]); 4] = [
         ("sphere", sphere, [16, 48]),
         ("bumpy ball", bumpy, [28, 56]),
         ("rounded cube", rounded, [32, 64]),
