@@ -119,16 +119,14 @@ fn mean_angle(a: &Mesh, b: &Mesh) -> f64 {
     a.iter().zip(&b).map(|(a, b)| angle(a.to_f64(), b.to_f64()).to_degrees()).sum::<f64>() / a.len() as f64
 }
 
-/// A name, a mesh with this number of rows, and two such numbers.
-type Shape<'a> = (&'a str, &'a dyn Fn(u32) -> Mesh, [u32; 2]);
-
 #[test]
 fn known_noise_is_measured_and_its_removal_halves_it() {
-    let shapes: [Shape<'_>; 4] = [
-        ("sphere", &sphere, [16, 48]),
-        ("bumpy ball", &bumpy, [28, 56]),
-        ("rounded cube", &rounded, [32, 64]),
-        ("cube", &cube, [24, 56]),
+    type Shape = fn(u32) -> Mesh;
+    let shapes: [(&str, Shape, [u32; 2]); 4] = [
+        ("sphere", sphere, [16, 48]),
+        ("bumpy ball", bumpy, [28, 56]),
+        ("rounded cube", rounded, [32, 64]),
+        ("cube", cube, [24, 56]),
     ];
     for (name, shape, sizes) in shapes {
         for n in sizes {
