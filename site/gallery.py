@@ -112,7 +112,7 @@ def maps() -> Iterator[Item]:
         "thickness": (points, "points.thickness.png", "the mean distance to the other side"),
         "wireframe": (points, "points.wireframe.png", "the edges of the low-poly mesh"),
         "bevel": (points, "points.bevel.png", "the scan's normals with rounded edges"),
-        "vector-displacement": (points, "points.vector-displacement.png", "the way from the low-poly mesh to the scan"),
+        "vector-displacement": (points, "points.vector-displacement.png", "the vector from the low-poly mesh to the scan"),
         "vertex-color": (ids, "ids.vertex-color.png", "the colours of the scan's vertices"),
         "material-id": (ids, "ids.material-id.png", "a colour for each material"),
         "object-id": (ids, "ids.object-id.png", "a colour for each object"),

@@ -319,6 +319,7 @@ def bake(
     cage: Any = None,
     match: Literal["by-name", "nearest"] = "by-name",
     new_uvs: bool = False,
+    udim: bool = False,
     ray_colors: bool = False,
     skew: str | os.PathLike[str] = "auto",
     noise: Literal["keep", "remove"] | None = None,
@@ -392,8 +393,10 @@ def bake(
         such names exist.
     new_uvs : bool
         Ignore the UVs and materials of `low`: it is unwrapped, and gets the scan's materials.
+    udim : bool
+        The UVs of `low` are on UDIM tiles, each of which gets its own maps: for ``asset.save("rock.<UDIM>.png")``.
     ray_colors : bool
-        Multiply ray distances by the red channel of the vertex colours of `low`, linear.
+        Multiply ray distances, also those of a cage, by the red channel of the vertex colours of `low`, linear.
     skew : "auto", "keep" or path
         Skew correction. Auto: projection rays follow flat faces, except near their edges, where the scan does, so that
         relief is not shifted by averaged normals; keep: averaged normals everywhere; or a mask on the UVs of `low`:
@@ -476,6 +479,8 @@ def bake(
         "bevel_radius": bevel_radius,
         "by_name": match == "by-name",
         "new_uvs": new_uvs,
+        "udim": udim,
+        "keep_uvs": udim,
         "ray_distance": _distance(ray_distance, cage_file),
         "ray_colors": ray_colors,
         "straighten": skew != "keep",

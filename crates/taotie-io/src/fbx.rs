@@ -61,6 +61,7 @@ fn parse(reading: &Reading) -> Result<ufbx::SceneRoot> {
         generate_missing_normals: true,
         use_blender_pbr_material: true,
         skip_skin_vertices: true,
+        node_depth_limit: 1024,
         ..ufbx::LoadOpts::default()
     };
     let file = ufbx::load_memory(&bytes, options).map_err(|error| failure(reading.path(), &error, most))?;

@@ -146,7 +146,7 @@ pub struct BakeArgs {
     /// and in OBJ by object, if such names exist; nearest ignores names
     #[arg(long = "match", value_enum, default_value_t = Match::ByName, requires = "low", help_heading = "Rays")]
     pub matching: Match,
-    /// Multiply ray distances by the red channel of the low-poly mesh's vertex colours
+    /// Multiply ray distances, also those of a cage, by the red channel of the low-poly mesh's vertex colours, linear
     #[arg(long, requires = "low", help_heading = "Rays")]
     pub ray_colors: bool,
     /// Skew correction, so that relief on flat faces is not shifted by rays along averaged normals. auto: rays follow flat

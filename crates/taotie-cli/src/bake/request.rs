@@ -52,7 +52,9 @@ impl BakeArgs {
         let turns = |map: &MapKind| matches!(map, MapKind::Normal | MapKind::Bent | MapKind::Bevel);
         let turns = self.maps().iter().any(turns);
         if self.green == Green::Down && (self.space == Space::Object || !turns) {
-            bail!("--green down: no normal or bent map is baked in tangent space; bake one, or leave it out");
+            bail!(
+                "--green down: no normal, bent or bevel map is baked in tangent space; bake one, or leave it out"
+            );
         }
         if self.cage.is_some() && self.skew == Some(Skew::Auto) {
             bail!("--skew auto: rays follow the cage; leave it out, or use a mask");
@@ -81,6 +83,17 @@ impl BakeArgs {
     /// Returns true if there is an output for each UDIM tile.
     fn has_tiles(&self) -> bool {
         self.output.file_name().is_some_and(|name| name.to_string_lossy().contains("<UDIM>"))
+    }
+
+    /// Returns the output with a name in place of the number of a UDIM tile.
+    fn with_tile(&self, name: &str) -> PathBuf {
+        match self.has_tiles() {
+            true => {
+                let file = self.output.file_name().unwrap_or_default().to_string_lossy();
+                self.output.with_file_name(file.replace("<UDIM>", name))
+            }
+            false => self.output.clone(),
+        }
     }
 
     /// Returns true if only maps are written, without a model.
@@ -207,9 +220,10 @@ impl BakeArgs {
     /// Rejects outputs that cannot be written or that are inputs.
     pub fn claim(&self, files: &FileSet) -> Result<()> {
         files.protect(self.inputs())?;
-        let asset = Baker::new(self.options()).may_write(&self.output, &self.packing());
+        let output = self.with_tile("1001");
+        let asset = Baker::new(self.options()).may_write(&output, &self.packing());
         asset.iter().try_for_each(|path| files.reserve(path))?;
-        files.claim(&self.output)?;
+        files.claim(&output)?;
         let reports = self.reports();
         if let Some(path) = &self.trials {
             let written = asset.iter().chain(&reports).find(|written| *written == path);
@@ -224,7 +238,8 @@ impl BakeArgs {
 
     /// Returns the files of the report: a page and JSON.
     pub fn reports(&self) -> [PathBuf; 2] {
-        ["report.html", "report.json"].map(|kind| self.output.with_extension(kind))
+        let output = self.with_tile("udim");
+        ["report.html", "report.json"].map(|kind| output.with_extension(kind))
     }
 
     /// Returns the model that the report shows; `None` if no file holds it with its normal map.

@@ -154,9 +154,9 @@ fn refusals() {
         ("scan.obj -o out.glb --size 50 --trials t.csv", "cannot be used with"),
         (
             "scan.obj -o out.glb --green down --maps ao",
-            "--green down: no normal or bent map is baked in tangent space",
+            "--green down: no normal, bent or bevel map is baked in tangent space",
         ),
-        ("scan.obj -o out.glb --green down --space object", "--green down: no normal or bent map"),
+        ("scan.obj -o out.glb --green down --space object", "--green down: no normal, bent or bevel map"),
         ("scan.obj -o out.glb --threads 0", "at least one thread is needed"),
         ("scan.obj -o out.glb --ray-distance 0", "0 is not above 0"),
         ("scan.obj -o out.glb --cage low.obj", "--low <LOW>"),

@@ -7,6 +7,8 @@ use crate::math::{Vec3, scalar};
 use crate::mesh::{Mesh, Point};
 use crate::parallel;
 use crate::surface::{Bends, facet_normal};
+use crate::trace::Bvh;
+use std::fmt;
 use std::sync::Arc;
 
 /// How the scan runs along a triangle of a low-poly mesh, by a few of its points.
@@ -47,21 +49,30 @@ pub(super) enum Skew {
     /// Nowhere: relief may be shifted near edges.
     #[default]
     Kept,
-    /// On flat faces; one entry for each triangle, `None` for the others.
-    Faces(Arc<[Option<FlatFace>]>),
+    /// On flat faces.
+    Faces(Arc<FlatFaces>),
     /// By a mask on the mesh's uvs: its red channel is the fraction of the turn, linear.
     Mask(Arc<Texture>),
 }
 
-/// A triangle of a flat face.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct FlatFace {
-    /// Of the face, unit.
+/// The flat faces of a mesh on which rays follow the face.
+pub(super) struct FlatFaces {
+    /// The face of each triangle.
+    of_triangle: Vec<u32>,
+    /// `None` for faces that are left as they are.
+    faces: Vec<Option<FlatFace>>,
+    /// The borders of the others.
+    borders: Bvh,
+    of_border: Vec<u32>,
+}
+
+/// A flat face.
+#[derive(Debug, Clone, Copy)]
+struct FlatFace {
+    /// Unit.
     normal: Vec3,
-    /// The width of the band along the face's borders in which directions turn, model units.
+    /// The width of the band along its borders in which directions turn, model units.
     band: f32,
-    /// The face's borders within the band's width of the triangle.
-    borders: Vec<[Vec3; 2]>,
 }
 
 /// The maximum angle of a triangle from the mean normal of its flat face, degrees: gentle bends add up.
@@ -70,8 +81,6 @@ const FLAT_DEG: f64 = 0.5;
 const STRAIGHT_DEG: f64 = 1.0;
 /// The largest tangent of a ray's deviation that widens the band.
 const STEEPEST: f32 = 3.0;
-/// Faces with more pairs of triangles and borders than this are left as they are: pairs are tested one by one.
-const MOST_PAIRS: usize = 1 << 26;
 
 impl Skew {
     /// Returns a ray's direction at a point, given the blend of those at the triangle's vertices.
@@ -79,10 +88,7 @@ impl Skew {
     pub fn turned(&self, low: &Mesh, point: Point, direction: Vec3) -> Vec3 {
         match self {
             Self::Kept => direction,
-            Self::Faces(faces) => match faces.get(point.triangle as usize) {
-                Some(Some(face)) => toward(direction, face.normal, face.fraction(point.position(low))),
-                _ => direction,
-            },
+            Self::Faces(faces) => faces.turned(low, point, direction),
             Self::Mask(mask) => {
                 let normal = facet_normal(low.corners(point.triangle as usize)).unwrap_or(direction);
                 toward(direction, normal, Sampler::default().sample(mask, point.uv(low, 0), 0.0)[0])
@@ -91,11 +97,11 @@ impl Skew {
     }
 
     /// Finds the flat faces on which the scan follows the face rather than the averaged directions of its vertices,
-    /// `directions`, each with the ray distance of the other slice.
+    /// given with their ray distances.
     ///
-    /// The band along a border is as wide as the ray distance times the tangent of the largest deviation. The turn
-    /// follows a smoothstep, whose slope is at most 1.5, so that rays of neighbouring texels do not cross within
-    /// two thirds of the ray distance; by default, the scan is within half of it.
+    /// The band along a border is as wide as the largest ray distance of the face times the tangent of the largest
+    /// deviation. The turn follows a smoothstep, whose slope is at most 1.5, so that rays of neighbouring texels do not
+    /// cross within two thirds of the ray distance; by default, the scan is within half of it.
     pub fn of_flat_faces(low: &Mesh, rays: (&[Vec3], &[f32]), evidence: &[Evidence]) -> Self {
         if !evidence.iter().any(Evidence::is_skewed) {
             return Self::Kept;
@@ -104,27 +110,42 @@ impl Skew {
         let of_triangle = bends.flat_faces();
         let count = of_triangle.len();
         let triangles = Groups::new(count, || of_triangle.iter().map(|face| *face as usize).zip(0u32..));
-        let borders: Vec<(usize, [Vec3; 2])> = bends
-            .edges()
-            .filter(|edge| of_triangle[edge.triangle] != of_triangle[edge.other])
-            .flat_map(|edge| {
-                let ends = bends.ends(edge).map(Vec3::to_f32);
-                [edge.triangle, edge.other].map(|t| (of_triangle[t] as usize, ends))
-            })
-            .collect();
-        let borders = Groups::new(count, || borders.iter().copied());
         let faces = parallel::collect(count, |face| {
-            let shape = FaceShape { low, triangles: triangles.of(face), borders: borders.of(face) };
-            let sum =
-                shape.triangles.iter().fold(Evidence::default(), |sum, t| sum.and(evidence[*t as usize]));
-            if sum.is_skewed() { shape.straightened(rays) } else { None }
+            let own = triangles.of(face);
+            let sum = own.iter().fold(Evidence::default(), |sum, t| sum.and(evidence[*t as usize]));
+            if sum.is_skewed() { straightened(low, own, rays) } else { None }
         });
-        let of_triangle = parallel::collect(count, |t| {
-            let face = of_triangle[t] as usize;
-            let (normal, band) = faces[face]?;
-            Some(FlatFace { normal, band, borders: near(low.corners(t), band, borders.of(face)) })
+        let mut borders = bends.borders(&of_triangle);
+        borders.retain(|(face, _)| faces[*face].is_some());
+        let of_border = borders.iter().map(|(face, _)| *face as u32).collect();
+        let borders = Bvh::of(borders.len(), |i| {
+            let [a, b] = borders[i].1;
+            [a, b, b]
         });
-        Self::Faces(of_triangle.into())
+        Self::Faces(Arc::new(FlatFaces { of_triangle, faces, borders, of_border }))
+    }
+}
+
+impl fmt::Debug for FlatFaces {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("FlatFaces")
+            .field("faces", &self.faces.iter().flatten().count())
+            .finish_non_exhaustive()
+    }
+}
+
+impl FlatFaces {
+    /// Returns the direction at a point of a mesh, turned from `direction` by a fraction that is 0 at a border of the
+    /// face and 1 beyond the band.
+    fn turned(&self, low: &Mesh, point: Point, direction: Vec3) -> Vec3 {
+        let own = self.of_triangle.get(point.triangle as usize);
+        let Some((own, face)) = own.and_then(|own| Some((*own, self.faces[*own as usize]?))) else {
+            return direction;
+        };
+        let is_own = |border: u32| self.of_border[border as usize] == own;
+        let nearest = self.borders.closest_of(point.position(low), face.band, is_own);
+        let x = nearest.map_or(1.0, |nearest| nearest.distance / face.band);
+        toward(direction, face.normal, x * x * (3.0 - 2.0 * x))
     }
 }
 
@@ -133,71 +154,26 @@ fn toward(direction: Vec3, normal: Vec3, fraction: f32) -> Vec3 {
     (direction * (1.0 - fraction) + normal * fraction).normalize_or(direction)
 }
 
-impl FlatFace {
-    /// Returns the fraction of the turn at a point: 0 at a border, 1 beyond the band.
-    fn fraction(&self, at: Vec3) -> f32 {
-        let squared = self.borders.iter().map(|border| squared_distance(*border, at));
-        let nearest = squared.fold(self.band * self.band, f32::min).sqrt();
-        let x = nearest / self.band;
-        x * x * (3.0 - 2.0 * x)
+/// Returns a face of these triangles, given the directions and distances of the mesh's rays; `None` if it is not flat
+/// after all, or its rays are straight.
+fn straightened(
+    low: &Mesh,
+    triangles: &[u32],
+    (directions, distances): (&[Vec3], &[f32]),
+) -> Option<FlatFace> {
+    let corners = |t: &u32| low.corners(*t as usize);
+    let sum =
+        triangles.iter().map(corners).fold(Vec3::default(), |sum, [a, b, c]| sum + (b - a).cross(c - a));
+    let normal = sum.normalize_or(Vec3::default());
+    let least = scalar::cos(FLAT_DEG.to_radians()) as f32;
+    let is_flat = |t: &u32| facet_normal(corners(t)).is_none_or(|facet| facet.dot(normal) >= least);
+    if !triangles.iter().all(is_flat) {
+        return None;
     }
-}
-
-/// A set of coplanar, connected triangles of a mesh.
-struct FaceShape<'a> {
-    low: &'a Mesh,
-    triangles: &'a [u32],
-    /// Edges to triangles of other faces.
-    borders: &'a [[Vec3; 2]],
-}
-
-impl FaceShape<'_> {
-    /// Returns the normal and the width of the band, given the directions and distances of the mesh's rays; `None` if
-    /// the face is not flat after all, or its rays are straight.
-    fn straightened(&self, (directions, distances): (&[Vec3], &[f32])) -> Option<(Vec3, f32)> {
-        if self.triangles.len().saturating_mul(self.borders.len()) > MOST_PAIRS {
-            return None;
-        }
-        let corners = |t: &u32| self.low.corners(*t as usize);
-        let sum = self
-            .triangles
-            .iter()
-            .map(corners)
-            .fold(Vec3::default(), |sum, [a, b, c]| sum + (b - a).cross(c - a));
-        let normal = sum.normalize_or(Vec3::default());
-        let least = scalar::cos(FLAT_DEG.to_radians()) as f32;
-        let is_flat = |t: &u32| facet_normal(corners(t)).is_none_or(|facet| facet.dot(normal) >= least);
-        if !self.triangles.iter().all(is_flat) {
-            return None;
-        }
-        let vertices = || self.triangles.iter().flat_map(|t| self.low.triangles()[*t as usize]);
-        let cosine = vertices().map(|v| directions[v as usize].dot(normal)).fold(1.0, f32::min);
-        let distance = vertices().map(|v| distances[v as usize]).fold(0.0, f32::max);
-        let tangent = (1.0 - cosine * cosine).max(0.0).sqrt() / cosine.max(f32::MIN_POSITIVE);
-        let is_skewed = cosine < scalar::cos(STRAIGHT_DEG.to_radians()) as f32;
-        is_skewed.then_some((normal, distance * tangent.min(STEEPEST)))
-    }
-}
-
-/// Returns the borders whose bounding boxes are within a distance of a triangle's.
-fn near(corners: [Vec3; 3], distance: f32, borders: &[[Vec3; 2]]) -> Vec<[Vec3; 2]> {
-    let bounds = |points: &[Vec3], axis: usize| {
-        let values = points.iter().map(|p| p.to_array()[axis]);
-        values.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
-    };
-    let own: [(f32, f32); 3] = std::array::from_fn(|axis| bounds(&corners, axis));
-    let is_near = |border: &&[Vec3; 2]| {
-        own.into_iter().enumerate().all(|(axis, (low, high))| {
-            let (from, to) = bounds(*border, axis);
-            from <= high + distance && to >= low - distance
-        })
-    };
-    borders.iter().filter(is_near).copied().collect()
-}
-
-fn squared_distance([a, b]: [Vec3; 2], point: Vec3) -> f32 {
-    let (way, from) = (b - a, point - a);
-    let along = (from.dot(way) / way.dot(way).max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
-    let off = from - way * along;
-    off.dot(off)
+    let vertices = || triangles.iter().flat_map(|t| low.triangles()[*t as usize]);
+    let cosine = vertices().map(|v| directions[v as usize].dot(normal)).fold(1.0, f32::min);
+    let distance = vertices().map(|v| distances[v as usize]).fold(0.0, f32::max);
+    let tangent = (1.0 - cosine * cosine).max(0.0).sqrt() / cosine.max(f32::MIN_POSITIVE);
+    let is_skewed = cosine < scalar::cos(STRAIGHT_DEG.to_radians()) as f32;
+    is_skewed.then_some(FlatFace { normal, band: distance * tangent.min(STEEPEST) })
 }

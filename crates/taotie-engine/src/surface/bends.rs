@@ -139,14 +139,28 @@ impl<'a> Bends<'a> {
     /// errors, identified by the lowest of them. Small angles may add up across a face.
     pub fn flat_faces(&self) -> Vec<u32> {
         let mut faces = DisjointSets::new(self.mesh.triangles().len());
-        let flat = self.edges.iter().filter(|edge| self.bend(edge.triangle, edge.other) < FLAT);
+        // Triangles without area have no plane.
+        let has_area = |t: usize| self.facets[t].1.is_finite();
+        let is_flat = |edge: &Edge| {
+            has_area(edge.triangle) && has_area(edge.other) && self.bend(edge.triangle, edge.other) < FLAT
+        };
+        let flat = self.edges.iter().filter(is_flat);
         flat.for_each(|edge| faces.join(edge.triangle as u32, edge.other as u32));
         faces.into_lowest()
     }
 
-    /// Returns each edge between two triangles once.
-    pub fn edges(&self) -> impl Iterator<Item = Edge> + '_ {
-        self.edges.iter()
+    /// Returns the borders of flat faces, each with its face: all sides of triangles without exactly one neighbour in the
+    /// same face.
+    pub fn borders(&self, faces: &[u32]) -> Vec<(usize, [Vec3; 2])> {
+        let mut borders = Vec::new();
+        for (triangle, side) in (0..faces.len()).flat_map(|t| (0..3).map(move |side| (t, side))) {
+            let face = faces[triangle];
+            if self.edges.across(triangle, side).is_none_or(|other| faces[other] != face) {
+                let corners = self.mesh.corners(triangle);
+                borders.push((face as usize, [corners[side], corners[(side + 1) % 3]]));
+            }
+        }
+        borders
     }
 
     fn sides(&self, triangle: usize, crease: f64) -> Sides {

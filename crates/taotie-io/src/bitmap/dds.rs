@@ -12,6 +12,9 @@ use taotie_engine::error::{Error, Result};
 use taotie_engine::image::{Bitmap, Encoding, Texels, Texture};
 use taotie_engine::surface::rebuild_z;
 
+/// The bytes of a header with its extension.
+const LONGEST_HEADER: usize = 148;
+
 /// Returns true if a file starts as DDS does.
 pub(super) fn is_dds(bytes: &[u8]) -> bool {
     bytes.starts_with(b"DDS ")
@@ -23,8 +26,10 @@ pub(super) fn is_dds(bytes: &[u8]) -> bool {
 /// The decoders index into arrays by sizes of the file; if damage makes one panic, the panic is caught here and becomes
 /// an error.
 pub(super) fn decode(bytes: &[u8], reading: &Reading) -> std::result::Result<Bitmap, Failure> {
-    let read = caught(|| Dds::read(Cursor::new(bytes)));
-    let Some(Ok(dds)) = read else { return Err(Failure::damaged("invalid header")) };
+    // Without the texels, which would be copied.
+    let header = &bytes[..bytes.len().min(LONGEST_HEADER)];
+    let read = caught(|| Dds::read(Cursor::new(header)).map(|dds| (dds.get_num_array_layers(), dds)));
+    let Some(Ok((layers, dds))) = read else { return Err(Failure::damaged("invalid header")) };
     let (width, height) = (dds.get_width(), dds.get_height());
     if width == 0 || height == 0 {
         return Err(Failure::damaged("a side of 0 texels"));
@@ -33,14 +38,15 @@ pub(super) fn decode(bytes: &[u8], reading: &Reading) -> std::result::Result<Bit
     check_size(u64::from(width), u64::from(height), plain)?;
     let (variant, channels) = blocks_of(&dds)
         .ok_or_else(|| Failure::Unsupported("DDS in a format other than BC1 to BC5 and BC7".into()))?;
-    if dds.get_depth() > 1 || dds.get_num_array_layers() != 1 {
+    if dds.get_depth() > 1 || layers != 1 {
         return Err(Failure::Unsupported("DDS with several layers, faces or slices".into()));
     }
     // The file's blocks, and whole blocks of texels.
     let whole = [width, height].map(|side| side.next_multiple_of(4));
     let scratch = 5 * u64::from(whole[0]) * u64::from(whole[1]);
     check_room(reading, [width, height], TexelRoom { depth: 1, scratch })?;
-    let blocks = dds.data.get(..variant.blocks_byte_size(width, height));
+    let start = header.len() - dds.data.len();
+    let blocks = bytes.get(start..start + variant.blocks_byte_size(width, height));
     let blocks = blocks
         .ok_or_else(|| Failure::Damaged("the file ends within its texels; download it again".into()))?;
     let decoded = caught(|| {
@@ -92,24 +98,23 @@ fn blue(codes: [u8; 2]) -> u8 {
     ((rebuild_z(x, y) + 1.0) * 127.5 + 0.5) as u8
 }
 
-/// Encodes an 8-bit bitmap with mip levels: one channel as BC4, tangent-space normals ([`Encoding::Normal`], blue at
-/// least half) as BC5, anything else as BC7.
+/// Encodes an 8-bit bitmap with mip levels: one channel as BC4, tangent-space normals ([`Encoding::Normal`]) as BC5, which
+/// has no blue, anything else as BC7.
 ///
 /// # Errors
 /// [`Error::Unsupported`] for other bits.
 pub(crate) fn encode_dds(bitmap: &Bitmap, encoding: Encoding) -> Result<Vec<u8>> {
-    let Texels::U8(texels) = bitmap.texels() else {
+    let Texels::U8(_) = bitmap.texels() else {
         let what = format!("a DDS with {} bits per channel", bitmap.bits());
         return Err(Error::unsupported(what, "write a .png or .exr"));
     };
-    let is_tangent = encoding == Encoding::Normal && texels.iter().all(|[_, _, z, _]| *z >= 127);
     let settings = match bitmap.channels() {
         2 | 4 => BC7Settings::alpha_basic(),
         _ => BC7Settings::opaque_basic(),
     };
     let (variant, format) = match bitmap.channels() {
         1 => (CompressionVariant::BC4, DxgiFormat::BC4_UNorm),
-        3 if is_tangent => (CompressionVariant::BC5, DxgiFormat::BC5_UNorm),
+        3 if encoding == Encoding::Normal => (CompressionVariant::BC5, DxgiFormat::BC5_UNorm),
         _ if encoding == Encoding::Srgb => (CompressionVariant::BC7(settings), DxgiFormat::BC7_UNorm_sRGB),
         _ => (CompressionVariant::BC7(settings), DxgiFormat::BC7_UNorm),
     };

@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use taotie_engine::bake::{self, MapKind};
 use taotie_engine::error::{Result, Warnings};
+use taotie_engine::mesh::{Mesh, MeshData};
 use taotie_engine::progress::Progress;
 use taotie_engine::scene::AlphaMode;
 use taotie_io::{Bytes, FileSet, Limits};
@@ -103,8 +104,8 @@ impl Baker {
     /// Bakes a scan: simplifies and unwraps it, or takes the given mesh; bakes the maps; measures the result.
     ///
     /// The listener receives the stages `read the low-poly mesh`, `inspect the scan`, `measure the noise` and
-    /// `remove the noise` if requested, `simplify`, `sort the scan` if no earlier bake did so, `remesh the scan` if requested, `fit normals`,
-    /// `unwrap`, `tangents`, `measure the gap`, `bake`, `store` and `levels of detail`, and is asked about every 20 ms
+    /// `remove the noise` if requested, `simplify` (after `sort the scan` and `remesh the scan` if that is requested),
+    /// `sort the scan` if no earlier bake did so, `fit normals`, `unwrap`, `tangents`, `measure the gap`, `bake`, `store` and `levels of detail`, and is asked about every 20 ms
     /// whether to continue.
     ///
     /// # Errors
@@ -177,7 +178,7 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
     let (scan, about) = (&scan, Arc::clone(&scan.about));
     let mut warnings = about.warnings.clone();
     warnings.absorb(of_inputs);
-    let materials = given.as_ref().map_or(1, GivenMesh::material_count);
+    let materials = given.as_ref().map_or(1, |given| given.set_count(asked.udim));
     MemoryEstimate { materials, ..need_of(asked, scan) }.check(limits)?;
     let looks = given.as_ref().map_or_else(Vec::new, GivenMesh::looks);
     if asked.size == BakeOptions::AUTO_SIZE {
@@ -246,7 +247,9 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
         true => alpha_modes(scan, &parts[0], &coarser),
         false => Vec::new(),
     };
-    let whole = document.as_ref().and_then(|document| document.whole.as_ref()).unwrap_or(&parts[0].low.mesh);
+    let of_tiles = if options.udim { Some(joined(&parts)?) } else { None };
+    let whole = document.as_ref().and_then(|document| document.whole.as_ref());
+    let whole = of_tiles.as_ref().or(whole).unwrap_or(&parts[0].low.mesh);
     let origin = &parts[0].low.origin;
     if !origin.is_scan {
         parts.iter().for_each(|part| judge(scan, part, &mut warnings));
@@ -262,6 +265,7 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
         about,
         low_files,
         document,
+        of_tiles,
         parts,
         coarser,
         alpha_modes,
@@ -273,6 +277,18 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
         noise,
         warnings,
     }))
+}
+
+/// Returns the triangles of all parts as one mesh, without uvs and tangents.
+fn joined(parts: &[Part]) -> Result<Mesh> {
+    let mut all = MeshData::default();
+    for Part { low, .. } in parts {
+        let first = all.positions.len() as u32;
+        all.positions.extend(low.mesh.positions());
+        all.normals.extend(low.mesh.normals());
+        all.triangles.extend(low.mesh.triangles().iter().map(|triangle| triangle.map(|v| v + first)));
+    }
+    Mesh::new(all)
 }
 
 /// Notes the problems of a part, with its label.

@@ -56,7 +56,7 @@ fn relief_on_flat_faces_of_smooth_boxes_is_not_shifted() {
     // The band is as wide as the ray distance, twice 0.08, times the tangent of 33°.
     assert!(shifts(&corrected, 0.12) < 0.01, "{}", shifts(&corrected, 0.12));
     assert!(shifts(&skewed, 0.12) > 3.0, "{}", shifts(&skewed, 0.12));
-    // The same with a ray distance, and by a mask.
+    // The same with a ray distance.
     let uniform = Cage::uniform(&low, 0.15).unwrap();
     assert!(shifts(&uniform, 0.12) > 3.0);
     assert!(shifts(&uniform.straightened(&low, &scan), 0.12) < 0.01);
@@ -90,4 +90,29 @@ fn rays_on_curved_surfaces_keep_their_directions() {
             assert_eq!(cage.projection_ray(&low, point), skewed.projection_ray(&low, point));
         }
     }
+}
+
+/// Materials and UDIM tiles have a mesh each: a face whose neighbours are in another one meets them along the averaged
+/// normals too.
+#[test]
+fn faces_with_open_edges_turn_to_the_averaged_normals_there() {
+    let (whole, scan) = chamfered_pair();
+    let is_top = |t: &[u32; 3]| t.iter().all(|v| whole.positions()[*v as usize].z == 1.0);
+    let triangles: Vec<[u32; 3]> = whole.triangles().iter().filter(|t| is_top(t)).copied().collect();
+    assert_eq!(triangles.len(), 2);
+    let low = Mesh::new(MeshData { triangles, ..whole.into_data() }).unwrap();
+    let corrected = Cage::automatic(&low, &scan);
+    let skewed = corrected.clone().skewed();
+    let rays = |weights: [f32; 3]| {
+        let point = Point { triangle: 0, weights };
+        [&corrected, &skewed].map(|cage| cage.projection_ray(&low, point).direction)
+    };
+    // One of the edges is shared by the triangles of the face.
+    let on_edges = [[0.7, 0.3, 0.0], [0.0, 0.7, 0.3], [0.3, 0.0, 0.7]].map(rays);
+    assert_eq!(
+        on_edges.iter().filter(|[corrected, skewed]| (*corrected - *skewed).length() < 1e-5).count(),
+        2
+    );
+    let [corrected, skewed] = rays([0.6, 0.2, 0.2]);
+    assert!(corrected.z > 0.999_999 && skewed.z < 0.99, "{corrected:?} {skewed:?}");
 }

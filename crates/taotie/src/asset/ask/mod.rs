@@ -14,5 +14,5 @@ pub(super) use figure::{Sampling, name_within, shown_unit, title_within};
 pub use lod::Lod;
 pub(super) use lod::{pixels_across, screen_coverage};
 pub use options::{BakeOptions, MeshSource, Packing, RayDistance};
-pub(super) use options::{NEEDS_UVS, SQUARE, note_unread_options};
+pub(super) use options::{MASK_NEEDS_UVS, NEEDS_UVS, SQUARE, note_unread_options};
 pub use requirement::{Preset, Requirement};

@@ -224,6 +224,10 @@ pub(in crate::asset) const SQUARE: &str =
 pub(in crate::asset) const NEEDS_UVS: &str =
     "no file would store generated uvs; use a low-poly mesh with uvs, or write a .glb";
 
+/// Why a mask needs uvs.
+pub(in crate::asset) const MASK_NEEDS_UVS: &str =
+    "it is on the uvs of the low-poly mesh, and new ones are generated; omit it, or use a mesh with uvs";
+
 impl BakeOptions {
     /// The value of [`BakeOptions::size`] that preserves the scan's detail: the smallest power
     /// of two, 256 to 8192, whose texels are at most as wide as a texel of the scan's textures or half its median edge,
@@ -260,6 +264,14 @@ impl BakeOptions {
             {
                 wrong(self.maps_in_words(), "use 16 to 16384 texels")
             }
+            Self { new_uvs: true, skew_mask: Some(_), .. } => wrong("a mask".into(), MASK_NEEDS_UVS),
+            Self { udim: true, skew_mask: Some(_), .. } => {
+                wrong("a mask".into(), "it has no UDIM tiles; omit it, or bake one tile after the other")
+            }
+            Self { ray_colors: true, lods, .. } if !lods.is_empty() => wrong(
+                "ray distances from vertex colours".into(),
+                "coarser levels of detail have other vertices; omit one",
+            ),
             Self { new_uvs: true, keep_uvs: true, .. } => wrong("standalone maps".into(), NEEDS_UVS),
             Self { low: None, .. } if self.names_low() => {
                 wrong("options of a low-poly mesh".into(), "there is none; give one, or omit them")

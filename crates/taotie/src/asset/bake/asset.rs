@@ -96,6 +96,8 @@ pub(in crate::asset) struct Made {
     pub low_files: Vec<PathBuf>,
     /// The low-poly file that is kept as is; `None` if the asset is one mesh with one material.
     pub document: Option<Document>,
+    /// All triangles of a mesh whose parts are UDIM tiles.
+    pub of_tiles: Option<Mesh>,
     /// The triangles of each material with their maps, at least one.
     pub parts: Vec<Part>,
     /// The levels of detail after the first.
@@ -138,7 +140,7 @@ impl Made {
     /// Returns all triangles of the finest level.
     pub fn mesh(&self) -> &Mesh {
         let whole = self.document.as_ref().and_then(|document| document.whole.as_ref());
-        whole.unwrap_or(&self.parts[0].low.mesh)
+        self.of_tiles.as_ref().or(whole).unwrap_or(&self.parts[0].low.mesh)
     }
 }
 

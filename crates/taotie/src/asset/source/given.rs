@@ -8,8 +8,9 @@ use super::low_poly::{
     unwrapped,
 };
 use super::scan::Scan;
-use crate::asset::ask::{BakeOptions, MeshSource, NEEDS_UVS, RayDistance, SQUARE};
+use crate::asset::ask::{BakeOptions, MASK_NEEDS_UVS, MeshSource, NEEDS_UVS, RayDistance, SQUARE};
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
 use taotie_engine::bake::{self, CageGroups, MapKind};
@@ -193,9 +194,23 @@ impl GivenMesh {
         parts.map(|part| LowLook { material: &part.material, has_colors: has_colors(part) }).collect()
     }
 
-    /// Returns the number of materials that get their own maps, at least 1.
-    pub fn material_count(&self) -> u64 {
-        self.parts.len() as u64
+    /// Returns the number of sets of maps, at least 1: of materials, or of the UDIM tiles of each.
+    pub fn set_count(&self, has_tiles: bool) -> u64 {
+        if !has_tiles {
+            return self.parts.len() as u64;
+        }
+        let instances = self.scene.instances();
+        let tiles: BTreeSet<(usize, Place)> = instances
+            .iter()
+            .flat_map(|instance| {
+                let mesh = &self.scene.meshes()[instance.mesh];
+                let tiles = mesh.uvs().first().map(|uvs| triangles_by_tile(mesh, uvs).0).unwrap_or_default();
+                // Without a kept file, all materials are one.
+                let material = if self.document.is_some() { instance.material } else { 0 };
+                tiles.into_keys().map(move |place| (material, place)).collect::<Vec<_>>()
+            })
+            .collect();
+        tiles.len().max(1) as u64
     }
 
     /// Returns the total number of triangles.
@@ -248,43 +263,71 @@ impl GivenMesh {
 }
 
 /// Splits each mesh by the UDIM tiles of its uvs, which are moved into the first. A triangle belongs to the tile of its
-/// centre.
+/// centre; one without uv area to any tile that holds it, since it covers no texel.
 ///
 /// # Errors
-/// [`Error::Invalid`] for uvs left of or below the first tile, or beyond ten columns or 900 rows.
+/// [`Error::Invalid`] for uvs outside all tiles.
 fn tiled(all: Vec<Taken>, warnings: &mut Warnings) -> Result<Vec<Taken>> {
     let mut tiles = Vec::new();
     for taken in all {
         let Some(uvs) = taken.mesh.uvs().first() else {
             return Err(Error::invalid("UDIM tiles", NEEDS_UVS));
         };
-        let tile_of = |triangle: &[u32; 3]| {
-            let [a, b, c] = triangle.map(|v| uvs[v as usize]);
-            Place::of([(a.x + b.x + c.x) / 3.0, (a.y + b.y + c.y) / 3.0])
-        };
-        let places: Vec<Option<Place>> = taken.mesh.triangles().iter().map(tile_of).collect();
-        let outside = places.iter().filter(|place| place.is_none()).count();
+        let (of_tiles, outside) = triangles_by_tile(&taken.mesh, uvs);
         if outside > 0 {
             let what = format!("{outside} triangles of the low-poly mesh");
-            return Err(Error::invalid(
-                what,
-                "their uvs are outside all UDIM tiles: 1001 is the first, from 0 to 1",
-            ));
+            let why =
+                "their uvs are outside all UDIM tiles, 1001 to 9999: from 0 to 10 across, and from 0 up";
+            return Err(Error::invalid(what, why));
         }
-        let places: Vec<Place> = places.into_iter().flatten().collect();
-        let crossing = taken.mesh.triangles().iter().zip(&places);
+        let crosses =
+            |place: Place, t: usize| taken.mesh.triangles()[t].iter().any(|v| !place.holds(uvs[*v as usize]));
         let crossing =
-            crossing.filter(|(triangle, place)| triangle.iter().any(|v| !place.holds(uvs[*v as usize])));
+            of_tiles.iter().map(|(place, own)| own.iter().filter(|t| crosses(*place, **t)).count());
         warnings.note(
             "triangles of the low-poly mesh cross borders of UDIM tiles: each is baked into the tile of its centre",
-            crossing.count(),
+            crossing.sum(),
         );
-        for place in places.iter().copied().collect::<BTreeSet<Place>>() {
-            let number = tiles.len();
-            tiles.push(taken.in_tile(&places, (place, number))?);
+        let of_file: Vec<usize> = match &taken.own {
+            Some(whole) => whole.triangles.iter().cloned().flatten().collect(),
+            None => (0..taken.mesh.triangles().len()).collect(),
+        };
+        for (place, own) in of_tiles {
+            let ranges = own.iter().map(|t| of_file[*t]..of_file[*t] + 1).collect();
+            tiles.push(taken.in_tile(&own, (place, ranges), tiles.len())?);
         }
     }
     Ok(tiles)
+}
+
+/// Returns the triangles of each tile, and the number of those outside all.
+fn triangles_by_tile(mesh: &Mesh, uvs: &[Vec2]) -> (BTreeMap<Place, Vec<usize>>, usize) {
+    let corners = |t: usize| mesh.triangles()[t].map(|v| uvs[v as usize]);
+    let has_area = |t: usize| {
+        let [a, b, c] = corners(t);
+        (b.x - a.x) * (c.y - a.y) != (b.y - a.y) * (c.x - a.x)
+    };
+    let (with_area, without): (Vec<usize>, Vec<usize>) =
+        (0..mesh.triangles().len()).partition(|t| has_area(*t));
+    let (mut tiles, mut outside) = (BTreeMap::<Place, Vec<usize>>::new(), 0);
+    for t in with_area {
+        let [a, b, c] = corners(t);
+        match Place::of([(a.x + b.x + c.x) / 3.0, (a.y + b.y + c.y) / 3.0]) {
+            Some(place) => tiles.entry(place).or_default().push(t),
+            None => outside += 1,
+        }
+    }
+    for t in without {
+        let holds = |place: &Place| corners(t).iter().all(|uv| place.holds(*uv));
+        let place =
+            tiles.keys().copied().find(holds).or_else(|| Place::of([corners(t)[0].x, corners(t)[0].y]));
+        match place {
+            Some(place) => tiles.entry(place).or_default().push(t),
+            None => outside += 1,
+        }
+    }
+    tiles.values_mut().for_each(|triangles| triangles.sort_unstable());
+    (tiles, outside)
 }
 
 /// The column and row of a UDIM tile, from the bottom left.
@@ -299,7 +342,8 @@ impl Place {
     fn of([u, v]: [f32; 2]) -> Option<Self> {
         let (column, row) = (u.floor(), (1.0 - v).floor());
         let is_inside = (0.0..10.0).contains(&column) && (0.0..900.0).contains(&row);
-        is_inside.then_some(Self { row: row as u16, column: column as u16 })
+        let place = Self { row: row as u16, column: column as u16 };
+        (is_inside && place.number() <= 9999).then_some(place)
     }
 
     /// Returns the uv in the first tile.
@@ -322,34 +366,31 @@ impl Place {
 }
 
 impl Taken {
-    /// Returns the triangles in a tile as a part with this number.
-    fn in_tile(&self, places: &[Place], (place, number): (Place, usize)) -> Result<Self> {
-        let (data, mut indices) = (&self.mesh, BTreeMap::new());
-        let own: Vec<usize> = (0..places.len()).filter(|t| places[*t] == place).collect();
-        let mut which = Vec::new();
+    /// Returns some triangles as the part of a tile with this number; `ranges` are these triangles in the file.
+    fn in_tile(
+        &self,
+        own: &[usize],
+        (place, ranges): (Place, Vec<Range<usize>>),
+        number: usize,
+    ) -> Result<Self> {
+        let (mut indices, mut which) = (BTreeMap::new(), Vec::new());
         let mut vertex = |v: u32| {
             *indices.entry(v).or_insert_with(|| {
                 which.push(v as usize);
                 which.len() as u32 - 1
             })
         };
-        let triangles: Vec<[u32; 3]> = own.iter().map(|t| data.triangles()[*t].map(&mut vertex)).collect();
-        let mut mesh = MeshData { triangles, ..data.gathered(&which) };
+        let triangles: Vec<[u32; 3]> =
+            own.iter().map(|t| self.mesh.triangles()[*t].map(&mut vertex)).collect();
+        let mut mesh = MeshData { triangles, ..self.mesh.gathered(&which) };
         mesh.uvs[0].iter_mut().for_each(|uv| *uv = place.moved(*uv));
-        let of_file: Vec<usize> = match &self.own {
-            Some(whole) => whole.triangles.iter().cloned().flatten().collect(),
-            None => (0..places.len()).collect(),
-        };
-        let kept = self
-            .own
-            .clone()
-            .unwrap_or_else(|| KeptMaterial { said: self.material.clone(), ..Default::default() });
+        let said = || KeptMaterial { said: self.material.clone(), ..KeptMaterial::default() };
+        let kept = self.own.clone().unwrap_or_else(said);
         let (tile, material) = (place.number(), kept.label.clone());
         let label = if material.is_empty() { tile.to_string() } else { format!("{material}_{tile}") };
-        let triangles = own.iter().map(|t| of_file[*t]..of_file[*t] + 1).collect();
         let tile = Some(Tile { number: tile, material });
-        let groups = self.groups.as_ref().map(|(groups, names)| (groups.of_triangles(&own), names.clone()));
-        let own = Some(KeptMaterial { number, label, triangles, tile, ..kept });
+        let groups = self.groups.as_ref().map(|(groups, names)| (groups.of_triangles(own), names.clone()));
+        let own = Some(KeptMaterial { number, label, triangles: ranges, tile, ..kept });
         Ok(Self {
             mesh: Mesh::new(mesh)?,
             material: self.material.clone(),
@@ -440,6 +481,7 @@ impl LowPoly {
         let mesh = match mesh.uvs().is_empty() {
             false => mesh,
             true if options.keep_uvs => return Err(Error::invalid("standalone maps", NEEDS_UVS)),
+            true if options.skew_mask.is_some() => return Err(Error::invalid("a mask", MASK_NEEDS_UVS)),
             true if !options.is_square() => {
                 return Err(Error::invalid(options.maps_in_words(), SQUARE));
             }

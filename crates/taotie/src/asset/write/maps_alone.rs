@@ -30,6 +30,8 @@ pub(super) fn is_alone(path: &Path) -> bool {
 struct MapFile<'a> {
     /// The name of its material in file names; empty if there is only one.
     label: &'a str,
+    /// `true` if normals are in tangent space.
+    is_tangent: bool,
     maps: Vec<MapKind>,
     bitmap: &'a Bitmap,
     range: Option<Range>,
@@ -74,6 +76,8 @@ fn files<'a>(part: &'a Part, path: &Path) -> Vec<MapFile<'a>> {
     files.extend(textures.separate.iter().map(other));
     for (i, file) in files.iter_mut().enumerate() {
         file.label = label;
+        // Object space is a map without a slot.
+        file.is_tangent = textures.normal.is_some();
         file.path = match (i, name) {
             (0, "") => path.into(),
             (0, name) => sibling(path, name),
@@ -106,7 +110,7 @@ pub(super) fn possible_files(path: &Path, packing: &Packing) -> Vec<PathBuf> {
 impl<'a> MapFile<'a> {
     fn new(map: MapKind, bitmap: &'a Bitmap) -> Self {
         let (maps, path) = (vec![map], PathBuf::new());
-        Self { label: "", maps, bitmap, range: None, origin: None, legend: None, path }
+        Self { label: "", is_tangent: false, maps, bitmap, range: None, origin: None, legend: None, path }
     }
 
     fn holds(&self, any: &[MapKind]) -> bool {
@@ -128,7 +132,11 @@ impl<'a> MapFile<'a> {
     fn encoded(&self, bitmap: &Bitmap) -> Result<Vec<u8>> {
         match MapFormat::of(&self.path) {
             Some(MapFormat::Exr) => encode_numbers(bitmap, self.meaning()),
-            Some(MapFormat::Dds) if matches!(self.meaning(), Meaning::Direction) => {
+            Some(MapFormat::Dds) if self.maps.iter().any(|map| map.content() == MapContent::Label) => {
+                let what = format!("{} as DDS", self.name());
+                Err(Error::unsupported(what, "blocks and mip levels mix colours; write a .png"))
+            }
+            Some(MapFormat::Dds) if self.is_tangent && self.holds(&[MapKind::Normal]) => {
                 taotie_io::encode_map(bitmap, Encoding::Normal, MapFormat::Dds)
             }
             format => taotie_io::encode_map(bitmap, self.encoding(), format.unwrap_or(MapFormat::Png)),
@@ -189,7 +197,7 @@ pub(super) fn notes(made: &Made, path: &Path, packing: &Packing) -> Vec<MapNote>
 /// [`Error::Invalid`] for what standalone maps cannot have: generated uvs, levels of detail, and the packing of a
 /// model; [`Error::Unsupported`] for 16-bit maps as WebP.
 pub(super) fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec<FileBytes>> {
-    check(made, packing)?;
+    check(made, path, packing)?;
     let mut encoded = Vec::new();
     for part in &made.parts {
         let turned = turned_green(made.options.space, &part.maps.textures, packing)?;
@@ -220,9 +228,12 @@ pub(super) fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec
     Ok(encoded)
 }
 
-fn check(made: &Made, packing: &Packing) -> Result<()> {
+fn check(made: &Made, path: &Path, packing: &Packing) -> Result<()> {
     let is_unwrapped = made.parts.iter().any(|part| part.low.origin.islands.is_some());
+    let names_tiles = name_of(path).contains(UDIM);
     let wrong = [
+        (made.options.udim && !names_tiles, "UDIM tiles need <UDIM> in the file name, as in rock.<UDIM>.png"),
+        (!made.options.udim && names_tiles, "<UDIM> in the file name needs a bake of UDIM tiles"),
         (is_unwrapped, "no file would store the generated uvs; use a low-poly mesh with uvs"),
         (!made.coarser.is_empty(), "levels of detail need a model; omit them"),
         (
