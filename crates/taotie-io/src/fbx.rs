@@ -197,6 +197,12 @@ fn assemble(reading: &Reading, file: &ufbx::Scene, loaded: &mut Loaded) -> Resul
         return Err(Error::parse(reading.path(), "whole file", "it shows no polygons; re-export the model"));
     }
     materials.finish(&mut scene, loaded);
+    let lacks = |instance: &&Instance| {
+        let sets = scene.meshes[instance.mesh].uvs().len();
+        scene.materials[instance.material].textures().iter().any(|texture| texture.uv_set >= sets)
+    };
+    let without = scene.instances.iter().filter(lacks).count();
+    loaded.warnings.note("meshes lack the uv set of a texture, which shows a single texel there", without);
     Ok(scene)
 }
 
