@@ -256,7 +256,7 @@ fn what_only_a_model_has_is_refused_before_the_work() {
         "bake scan.obj --low bare.obj -o normal.png --size 64",
         "standalone maps: no file would store generated uvs",
     );
-    refused(&format!("{LINE} -o normal.bmp"), "standalone maps as .png, .tiff, .exr, .tga or .webp");
+    refused(&format!("{LINE} -o normal.bmp"), "standalone maps as .png, .tiff, .exr, .tga, .dds or .webp");
     refused(&format!("{LINE} -o normal.exr --bits 16"), "--bits: an .exr stores floats");
     refused(&format!("{LINE} -o normal.webp --bits 16"), "--bits 16: a .webp stores 8 bits; write a .png");
     refused(&format!("{LINE} -o normal.webp --maps normal,height"), "--maps height: it needs 16 bits");

@@ -183,7 +183,7 @@ fn of_bake() {
     let cases = [
         (
             "scan.obj -o out.glb --ao-rays 64",
-            "--ao-rays: none of ao, bent and thickness is baked; add one of them to --maps",
+            "--ao-rays: none of ao, bent, thickness and bevel is baked; add one of them to --maps",
         ),
         (
             "scan.obj -o out.glb --ao-distance 1 --maps normal,height",
