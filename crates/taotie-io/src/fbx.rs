@@ -37,7 +37,7 @@ const MAX_UV_SETS: usize = 8;
 pub(super) fn read(reading: &Reading) -> Result<Loaded> {
     let path = reading.path();
     let file = parse(reading)?;
-    check_nodes(reading, file.nodes.len() as u64)?;
+    reading.check_nodes(file.nodes.len() as u64)?;
     let mut loaded = Loaded::new(Scene::default(), Warnings::default(), "FBX");
     loaded.generator = Some(file.metadata.creator.to_string()).filter(|creator| !creator.is_empty());
     note_repairs(&file, &mut loaded.warnings);
@@ -86,17 +86,6 @@ fn failure(path: &Path, error: &ufbx::Error, most: u64) -> Error {
             Error::unsupported(format!("{}: its version of FBX", path.display()), "save it as FBX 7.4")
         }
         _ => Error::parse(path, "whole file", format!("not valid FBX ({why}); re-export the model")),
-    }
-}
-
-fn check_nodes(reading: &Reading, count: u64) -> Result<()> {
-    let most = reading.limits().nodes;
-    match count > most {
-        true => Err(Error::limit(
-            format!("{}: a scene of {count} nodes", reading.path().display()),
-            format!("the maximum is {most}; split the file"),
-        )),
-        false => Ok(()),
     }
 }
 

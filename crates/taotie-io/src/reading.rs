@@ -27,6 +27,21 @@ impl Reading {
         Self { path: path.to_path_buf(), limits: *limits, wanted: AtomicU64::new(0), free: OnceLock::new() }
     }
 
+    /// Rejects a scene with too many nodes.
+    ///
+    /// # Errors
+    /// [`Error::Limit`].
+    pub fn check_nodes(&self, count: u64) -> Result<()> {
+        let most = self.limits.nodes;
+        match count > most {
+            true => Err(Error::limit(
+                format!("{}: a scene of {count} nodes", self.path.display()),
+                format!("the maximum is {most}; split the file"),
+            )),
+            false => Ok(()),
+        }
+    }
+
     /// Returns the path of the model or image.
     pub fn path(&self) -> &Path {
         &self.path

@@ -5,6 +5,7 @@ use crate::proof_args::{ProofArgs, ScanArgs};
 use crate::running::{LimitArgs, RunArgs};
 use crate::studio::{Green, Space};
 use clap::{Args, ValueEnum};
+use std::ffi::OsString;
 use std::path::PathBuf;
 use taotie::asset::{Channels, Lod, Preset, Requirement};
 use taotie_engine::Error;
@@ -152,7 +153,7 @@ pub struct BakeArgs {
     /// Skew correction, so that relief on flat faces is not shifted by rays along averaged normals. auto: rays follow flat
     /// faces, except near their edges, where the scan does; keep: averaged normals everywhere; or a mask on the UVs of
     /// --low: triangle normals where white [default: auto; keep with --cage]
-    #[arg(long, value_name = "auto|keep|MASK", value_parser = skew, help_heading = "Rays")]
+    #[arg(long, value_name = "auto|keep|MASK", value_parser = clap::value_parser!(Skew), help_heading = "Rays")]
     pub skew: Option<Skew>,
     /// The low-poly mesh with its vertices moved outward, where projection rays start
     #[arg(long, value_name = "FILE", requires = "low", help_heading = "Rays")]
@@ -210,6 +211,16 @@ pub enum Skew {
     Mask(PathBuf),
 }
 
+impl From<OsString> for Skew {
+    fn from(text: OsString) -> Self {
+        match text.to_str() {
+            Some("auto") => Self::Auto,
+            Some("keep") => Self::Keep,
+            _ => Self::Mask(text.into()),
+        }
+    }
+}
+
 /// A value, or the program's choice.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Auto<T> {
@@ -241,15 +252,6 @@ fn distance(text: &str) -> Result<Auto<f64>, String> {
         "auto" => Ok(Auto::Auto),
         _ => positive(text).map(Auto::Given),
     }
-}
-
-#[expect(clippy::unnecessary_wraps, reason = "the form of a parser")]
-fn skew(text: &str) -> Result<Skew, String> {
-    Ok(match text {
-        "auto" => Skew::Auto,
-        "keep" => Skew::Keep,
-        path => Skew::Mask(path.into()),
-    })
 }
 
 fn bytes(text: &str) -> Result<u64, String> {

@@ -82,7 +82,7 @@ impl BakeArgs {
 
     /// Returns true if there is an output for each UDIM tile.
     fn has_tiles(&self) -> bool {
-        self.output.file_name().is_some_and(|name| name.to_string_lossy().contains("<UDIM>"))
+        self.output.file_name().is_some_and(|name| name.to_string_lossy().contains(BakeOptions::UDIM))
     }
 
     /// Returns the output with a name in place of the number of a UDIM tile.
@@ -90,7 +90,7 @@ impl BakeArgs {
         match self.has_tiles() {
             true => {
                 let file = self.output.file_name().unwrap_or_default().to_string_lossy();
-                self.output.with_file_name(file.replace("<UDIM>", name))
+                self.output.with_file_name(file.replace(BakeOptions::UDIM, name))
             }
             false => self.output.clone(),
         }

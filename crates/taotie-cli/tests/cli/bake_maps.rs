@@ -199,18 +199,6 @@ fn objects_show_their_namesakes_and_nothing_else() {
     assert!(report["origin"]["groups"].is_null());
 }
 
-/// Returns an OBJ file with its uvs moved by whole tiles.
-fn on_tile(obj: &str, [column, row]: [f64; 2]) -> String {
-    let moved = |line: &str| match line.strip_prefix("vt ") {
-        None => format!("{line}\n"),
-        Some(uv) => {
-            let uv: Vec<f64> = uv.split_whitespace().map(|v| v.parse().unwrap()).collect();
-            format!("vt {} {}\n", uv[0] + column, uv[1] + row)
-        }
-    };
-    obj.lines().map(moved).collect()
-}
-
 #[test]
 fn each_udim_tile_gets_the_maps_of_its_triangles() {
     let apart = |x: f64| Ball { center: [x, 0.0, 0.0], ..LOW };
@@ -221,31 +209,11 @@ fn each_udim_tile_gets_the_maps_of_its_triangles() {
             ("b", Ball { center: [6.0, 0.0, 0.0], ..SCAN }),
         ]),
     );
-    let [a, b] = [0.0, 6.0].map(|x| together(&[("one", apart(x))]));
-    place.write("a.obj", &a);
-    place.write("b.obj", &b);
+    place.write("a.obj", together(&[("one", apart(0.0))]));
+    place.write("b.obj", together(&[("one", apart(6.0))]));
     // Both balls as one file with one material, the second on the tile above and to the right.
-    let vertices = |kind: &str| a.lines().filter(|line| line.starts_with(kind)).count();
-    let counts = ["v ", "vt ", "vn "].map(vertices);
-    let corner = |corner: &str| {
-        let indices = corner.split('/').zip(counts);
-        let moved = indices.map(|(index, count)| match index.parse::<usize>() {
-            Ok(index) => (index + count).to_string(),
-            Err(_) => String::new(),
-        });
-        moved.collect::<Vec<_>>().join("/")
-    };
-    let second: String = on_tile(&b, [1.0, 1.0])
-        .lines()
-        .filter(|line| !line.starts_with("usemtl"))
-        .map(|line| match line.strip_prefix("f ") {
-            Some(face) => {
-                format!("f {}\n", face.split_whitespace().map(corner).collect::<Vec<_>>().join(" "))
-            }
-            None => format!("{line}\n"),
-        })
-        .collect();
-    place.write("both.obj", format!("{a}{second}"));
+    let second = Ball { uv: Some(|u, v| [u + 1.0, v + 1.0]), ..apart(6.0) };
+    place.write("both.obj", together(&[("one", apart(0.0)), ("one", second)]));
 
     let line = "--size 64 --maps normal,height --channels x:R=normal.r,G=height,B=0 --json";
     let report = place.json(&format!("bake scan.obj --low both.obj -o out.<UDIM>.png {line}"));
@@ -272,7 +240,8 @@ fn each_udim_tile_gets_the_maps_of_its_triangles() {
 
     // A model has no tiles, and below the first there are none.
     place.taotie("bake scan.obj --low both.obj -o out.<UDIM>.glb").assert().code(2);
-    place.write("below.obj", on_tile(&a, [0.0, -1.0]));
+    let below = Ball { uv: Some(|u, v| [u, v - 1.0]), ..apart(0.0) };
+    place.write("below.obj", together(&[("one", below)]));
     let refused = place.taotie("bake scan.obj --low below.obj -o out.<UDIM>.png").assert().code(2);
     let stderr = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
     assert!(stderr.contains("outside all UDIM tiles"), "{stderr}");
@@ -280,23 +249,10 @@ fn each_udim_tile_gets_the_maps_of_its_triangles() {
 
 #[test]
 fn a_textured_model_gets_a_new_atlas_with_its_appearance() {
-    let place = Place::with(
-        "scan.obj",
-        together(&[
-            ("red", Ball { center: [0.0; 3], ..LOW }),
-            ("green", Ball { center: [6.0, 0.0, 0.0], ..LOW }),
-        ]),
-    );
-    // Its own uvs repeat the texture twice, and both balls overlap.
-    let scan = String::from_utf8(place.read("scan.obj")).unwrap();
-    let doubled = |line: &str| match line.strip_prefix("vt ") {
-        Some(uv) => {
-            let uv: Vec<f64> = uv.split_whitespace().map(|v| v.parse().unwrap()).collect();
-            format!("vt {} {}\n", 2.0 * uv[0], 2.0 * uv[1])
-        }
-        None => format!("{line}\n"),
-    };
-    place.write("scan.obj", format!("mtllib scan.mtl\n{}", scan.lines().map(doubled).collect::<String>()));
+    // Its uvs repeat the texture twice, and both balls overlap.
+    let ball = |x: f64| Ball { center: [x, 0.0, 0.0], uv: Some(|u, v| [2.0 * u, 2.0 * v]), ..LOW };
+    let balls = together(&[("red", ball(0.0)), ("green", ball(6.0))]);
+    let place = Place::with("scan.obj", format!("mtllib scan.mtl\n{balls}"));
     place.write(
         "scan.mtl",
         "newmtl red\nKd 1 0.2 0.2\nmap_Kd paint.png\nnewmtl green\nKd 0.2 1 0.2\nmap_Kd paint.png\n",

@@ -8,7 +8,7 @@ use std::fmt::Write;
 use taotie_engine::Warnings;
 use taotie_engine::bake::Faults;
 use taotie_engine::math::Vec3;
-use taotie_engine::mesh::{Mesh, MeshData};
+use taotie_engine::mesh::Mesh;
 use taotie_engine::scene::{Material, Scene};
 use taotie_io::{encode_scene, load_model};
 
@@ -175,13 +175,7 @@ fn soup() -> String {
 /// Returns the faults of a model's triangles in world space.
 fn faults(place: &Place, name: &str) -> Faults {
     let scene = taotie::load_model(place.path(name)).unwrap().scene;
-    let mut all = MeshData::default();
-    for mesh in scene.meshes() {
-        let first = all.positions.len() as u32;
-        all.positions.extend(mesh.positions());
-        all.triangles.extend(mesh.triangles().iter().map(|t| t.map(|v| v + first)));
-    }
-    Faults::of(&Mesh::new(all).unwrap())
+    Faults::of(&Mesh::joined(scene.meshes()).unwrap())
 }
 
 #[test]

@@ -218,16 +218,6 @@ mod tests {
         assert_eq!(faults(&twice), Faults { crowded_edges: 3, duplicates: 1, flat: 1, ..Faults::default() });
     }
 
-    fn joined(parts: &[Mesh]) -> Mesh {
-        let mut all = MeshData::default();
-        for part in parts {
-            let first = all.positions.len() as u32;
-            all.positions.extend(part.positions());
-            all.triangles.extend(part.triangles().iter().map(|t| t.map(|v| v + first)));
-        }
-        Mesh::new(all).unwrap()
-    }
-
     fn moved(mesh: &Mesh, by: f32) -> Mesh {
         let positions = mesh.positions().iter().map(|p| *p + Vec3::new(by, 0.0, 0.0)).collect();
         Mesh::new(MeshData { positions, triangles: mesh.triangles().to_vec(), ..MeshData::default() })
@@ -235,7 +225,7 @@ mod tests {
     }
 
     fn without(parts: &[Mesh]) -> Option<(Mesh, f64)> {
-        let mesh = joined(parts);
+        let mesh = Mesh::joined(parts).unwrap();
         let shells = Shells::of(&mesh)?;
         shells
             .without_hidden(&Scan::new(Scene::of_mesh(mesh, Material::default()).unwrap()).unwrap())

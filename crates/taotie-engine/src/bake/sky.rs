@@ -4,7 +4,7 @@
 use super::projection::Correspondence;
 use super::scan::Scan;
 use crate::math::{Vec2, Vec3, integration, scalar};
-use crate::surface::{self, facet_normal};
+use crate::surface::facet_normal;
 use crate::trace::{Hit, PacketOrigins, ParallelRays, Ray};
 use std::cell::Cell;
 
@@ -81,9 +81,7 @@ impl Sky {
 
     /// Returns the point of the scan that a sample found; `class` is the sample's index within its texel.
     pub fn ao_sample(&self, scan: &Scan, found: &Correspondence, class: u32) -> AoSample {
-        let corners = scan.mesh().corners(found.point.triangle as usize);
-        let facet = surface::facet_normal(corners).unwrap_or(found.normal);
-        let facet = if facet.dot(found.normal) < 0.0 { -facet } else { facet };
+        let facet = facet_of(scan, found);
         let origin = found.point.position(scan.mesh()) + facet * self.offset;
         AoSample { origin, normal: found.normal, facet, class: class % self.classes }
     }
@@ -155,6 +153,12 @@ impl Sky {
         scan.bvh().meet_all(&mut packet, |_, hit| hit.distance >= self.distance);
         packet.into_going()
     }
+}
+
+/// Returns the normal of the triangle at a correspondence, on the side of its smooth normal.
+fn facet_of(scan: &Scan, found: &Correspondence) -> Vec3 {
+    let facet = facet_normal(scan.mesh().corners(found.point.triangle as usize)).unwrap_or(found.normal);
+    if facet.dot(found.normal) < 0.0 { -facet } else { facet }
 }
 
 /// Returns one answer per index as bits, eight per byte.
@@ -259,8 +263,7 @@ impl Bevel {
     /// Returns the average normal at a correspondence, not normalised; `class` is the sample's index within its texel.
     pub fn normal(&self, scan: &Scan, found: &Correspondence, class: u32) -> Vec3 {
         let center = found.point.position(scan.mesh());
-        let normal = facet_normal(scan.mesh().corners(found.point.triangle as usize)).unwrap_or(found.normal);
-        let normal = if normal.dot(found.normal) < 0.0 { -normal } else { normal };
+        let normal = facet_of(scan, found);
         let tangent = normal.any_perpendicular();
         let around =
             Around { scan, center, axes: [normal, tangent, normal.cross(tangent)], radius: self.radius };

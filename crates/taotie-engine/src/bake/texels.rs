@@ -379,9 +379,11 @@ impl Job<'_> {
             if maps.has(Plane::Bevel) {
                 maps.set_vector(Plane::Bevel, i, self.turned(cell, sums.bevel()));
             }
-            let missing = Vec3::splat(f32::NAN);
-            let way = sums.way().map_or(missing, |way| self.in_space(cell, way));
-            maps.set_vector(Plane::VectorDisplacement, i, way);
+            if maps.has(Plane::VectorDisplacement) {
+                let missing = Vec3::splat(f32::NAN);
+                let way = sums.way().map_or(missing, |way| self.in_space(cell, way));
+                maps.set_vector(Plane::VectorDisplacement, i, way);
+            }
         }
         if let Some(sums) = cells.materials.get(i) {
             self.store_material(i, &sums.mean().unwrap_or(self.without_hit), maps);

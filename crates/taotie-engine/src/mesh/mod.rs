@@ -135,6 +135,25 @@ impl Mesh {
         &self.data.triangles
     }
 
+    /// Returns the triangles of several meshes as one, with normals if they all have them, and nothing else.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] for 2^32 vertices or more.
+    pub fn joined<'a>(parts: impl IntoIterator<Item = &'a Self>) -> Result<Self> {
+        let mut all = MeshData::default();
+        for part in parts {
+            let first = all.positions.len() as u32;
+            all.positions.extend(part.positions());
+            all.normals.extend(part.normals());
+            all.triangles
+                .extend(part.triangles().iter().map(|triangle| triangle.map(|v| v.wrapping_add(first))));
+        }
+        if all.normals.len() < all.positions.len() {
+            all.normals.clear();
+        }
+        Self::new(all)
+    }
+
     /// Returns the arrays of only the vertices `which`, without triangles.
     pub fn gathered(&self, which: &[usize]) -> MeshData {
         self.data.gathered(which)

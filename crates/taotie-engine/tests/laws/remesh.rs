@@ -24,12 +24,7 @@ fn mesh(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Mesh {
 }
 
 fn joined(parts: &[Mesh]) -> Mesh {
-    let mut all = MeshData::default();
-    for part in parts {
-        let first = all.positions.len() as u32;
-        all.positions.extend(part.positions());
-        all.triangles.extend(part.triangles().iter().map(|t| t.map(|v| v + first)));
-    }
+    let all = Mesh::joined(parts).unwrap().into_data();
     mesh(all.positions, all.triangles)
 }
 

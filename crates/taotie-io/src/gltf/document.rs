@@ -55,7 +55,7 @@ impl Document {
         // Its memory is counted for the contents of data URIs.
         drop(text);
         check_extensions(path, &root, warnings)?;
-        check_nodes(reading, root.nodes.len() as u64)?;
+        reading.check_nodes(root.nodes.len() as u64)?;
         let buffers = Buffers::load(reading, &root, blob.filter(|b| !b.is_empty()), warnings)?;
         #[cfg(feature = "draco")]
         let supply = draco::supply(&root, &buffers, reading, warnings);
@@ -96,18 +96,6 @@ impl Document {
     pub fn total_bytes(&self) -> usize {
         let supplied = self.supply.values().flatten().map(|supplied| supplied.bytes.len());
         self.buffers.total_bytes() + supplied.sum::<usize>()
-    }
-}
-
-/// Rejects a scene with too many nodes.
-pub(super) fn check_nodes(reading: &Reading, count: u64) -> Result<()> {
-    let most = reading.limits().nodes;
-    match count > most {
-        true => Err(Error::limit(
-            format!("{}: a scene of {count} nodes", reading.path().display()),
-            format!("the maximum is {most}; split the file"),
-        )),
-        false => Ok(()),
     }
 }
 

@@ -3,7 +3,7 @@
 //! that move nodes.
 
 use super::accessor::Accessor;
-use super::document::{Document, check_nodes};
+use super::document::Document;
 use super::raw::INSTANCING;
 use crate::reading::{Reason, no_such};
 use gltf::json::animation::{Interpolation as JsonInterpolation, Property};
@@ -151,7 +151,7 @@ fn add_instances(
         let wrong = |why: String| document.error(at(node), format!("{INSTANCING}: {why}"));
         let Some(instances) = Instances::open(document, extension).map_err(wrong)? else { continue };
         let first = nodes.len();
-        check_nodes(&document.reading, (first + instances.count) as u64)?;
+        document.reading.check_nodes((first + instances.count) as u64)?;
         if !document.reading.take(instances.count as u64 * NODE) {
             document.reading.check()?;
         }

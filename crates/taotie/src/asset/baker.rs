@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use taotie_engine::bake::{self, MapKind};
 use taotie_engine::error::{Result, Warnings};
-use taotie_engine::mesh::{Mesh, MeshData};
+use taotie_engine::mesh::Mesh;
 use taotie_engine::progress::Progress;
 use taotie_engine::scene::AlphaMode;
 use taotie_io::{Bytes, FileSet, Limits};
@@ -105,8 +105,8 @@ impl Baker {
     ///
     /// The listener receives the stages `read the low-poly mesh`, `inspect the scan`, `measure the noise` and
     /// `remove the noise` if requested, `simplify` (after `sort the scan` and `remesh the scan` if that is requested),
-    /// `sort the scan` if no earlier bake did so, `fit normals`, `unwrap`, `tangents`, `measure the gap`, `bake`, `store` and `levels of detail`, and is asked about every 20 ms
-    /// whether to continue.
+    /// `sort the scan` if no earlier bake did so, `fit normals`, `unwrap`, `tangents`, `measure the gap`,
+    /// `bake`, `store` and `levels of detail`, and is asked about every 20 ms whether to continue.
     ///
     /// # Errors
     /// [`Error::Cancelled`](crate::Error::Cancelled); those of [`BakeOptions::check`] and of reading the files named
@@ -247,7 +247,10 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
         true => alpha_modes(scan, &parts[0], &coarser),
         false => Vec::new(),
     };
-    let of_tiles = if options.udim { Some(joined(&parts)?) } else { None };
+    let of_tiles = match options.udim {
+        true => Some(Mesh::joined(parts.iter().map(|part| &part.low.mesh))?),
+        false => None,
+    };
     let whole = document.as_ref().and_then(|document| document.whole.as_ref());
     let whole = of_tiles.as_ref().or(whole).unwrap_or(&parts[0].low.mesh);
     let origin = &parts[0].low.origin;
@@ -277,18 +280,6 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
         noise,
         warnings,
     }))
-}
-
-/// Returns the triangles of all parts as one mesh, without uvs and tangents.
-fn joined(parts: &[Part]) -> Result<Mesh> {
-    let mut all = MeshData::default();
-    for Part { low, .. } in parts {
-        let first = all.positions.len() as u32;
-        all.positions.extend(low.mesh.positions());
-        all.normals.extend(low.mesh.normals());
-        all.triangles.extend(low.mesh.triangles().iter().map(|triangle| triangle.map(|v| v + first)));
-    }
-    Mesh::new(all)
 }
 
 /// Notes the problems of a part, with its label.

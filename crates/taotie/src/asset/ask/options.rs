@@ -241,6 +241,9 @@ impl BakeOptions {
     /// ```
     pub const AUTO_SIZE: u32 = 0;
 
+    /// The part of a path that the number of a tile replaces, if [`BakeOptions::udim`] is set.
+    pub const UDIM: &str = "<UDIM>";
+
     /// Refuses invalid options, before any work begins.
     ///
     /// # Errors

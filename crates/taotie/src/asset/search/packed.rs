@@ -97,8 +97,9 @@ fn shown(scan: &Scan, image: &LossyTexture) -> Option<Shown> {
     (!textures.is_empty()).then(|| Shown { textures, encoding: image.encoding() })
 }
 
-/// Opens the file of a scan, converting it to glTF if necessary, or if its noise was removed. Also returns the losses of that. Those that affect
-/// angles or colours are measured with the candidate, and all others also occur in candidates made from the scan.
+/// Opens the file of a scan, or converts the scan to glTF if its file is in another format or its noise was removed. Also
+/// returns the losses of that. Those that affect angles or colours are measured with the candidate, and all others also
+/// occur in candidates made from the scan.
 pub(super) fn packer(scan: &Scan) -> Result<(GltfPacker, Warnings)> {
     let (path, mut lost) = (scan.path(), Warnings::default());
     if !scan.is_denoised && taotie_io::is_gltf(path).unwrap_or(false) {

@@ -312,15 +312,14 @@ fn triangles_by_tile(mesh: &Mesh, uvs: &[Vec2]) -> (BTreeMap<Place, Vec<usize>>,
     let (mut tiles, mut outside) = (BTreeMap::<Place, Vec<usize>>::new(), 0);
     for t in with_area {
         let [a, b, c] = corners(t);
-        match Place::of([(a.x + b.x + c.x) / 3.0, (a.y + b.y + c.y) / 3.0]) {
+        match Place::of((a + b + c) * (1.0 / 3.0)) {
             Some(place) => tiles.entry(place).or_default().push(t),
             None => outside += 1,
         }
     }
     for t in without {
         let holds = |place: &Place| corners(t).iter().all(|uv| place.holds(*uv));
-        let place =
-            tiles.keys().copied().find(holds).or_else(|| Place::of([corners(t)[0].x, corners(t)[0].y]));
+        let place = tiles.keys().copied().find(holds).or_else(|| Place::of(corners(t)[0]));
         match place {
             Some(place) => tiles.entry(place).or_default().push(t),
             None => outside += 1,
@@ -339,8 +338,8 @@ struct Place {
 
 impl Place {
     /// Returns the tile at a uv; `None` outside all.
-    fn of([u, v]: [f32; 2]) -> Option<Self> {
-        let (column, row) = (u.floor(), (1.0 - v).floor());
+    fn of(uv: Vec2) -> Option<Self> {
+        let (column, row) = (uv.x.floor(), (1.0 - uv.y).floor());
         let is_inside = (0.0..10.0).contains(&column) && (0.0..900.0).contains(&row);
         let place = Self { row: row as u16, column: column as u16 };
         (is_inside && place.number() <= 9999).then_some(place)

@@ -5,7 +5,7 @@ use super::map_files::{
     MapNote, Meaning, PackedChannels, codes_of_normals, encode_numbers, encoding_of, name_of, named,
     note_unlit, turned_green,
 };
-use crate::asset::ask::{Channels, Packing};
+use crate::asset::ask::{BakeOptions, Channels, Packing};
 use crate::asset::bake::{Made, Part, Range, SeparateMap, labeled};
 use crate::asset::source::{KeptTextures, Property};
 use std::collections::BTreeMap;
@@ -40,13 +40,10 @@ struct MapFile<'a> {
     path: PathBuf,
 }
 
-/// The part of a path that the number of a UDIM tile replaces.
-const UDIM: &str = "<UDIM>";
-
 /// Returns the path of a part's first map, for its UDIM tile.
 fn placed(part: &Part, path: &Path) -> PathBuf {
     match part.low.tile() {
-        Some(tile) => path.with_file_name(name_of(path).replace(UDIM, &tile.number.to_string())),
+        Some(tile) => path.with_file_name(name_of(path).replace(BakeOptions::UDIM, &tile.number.to_string())),
         None => path.into(),
     }
 }
@@ -230,7 +227,7 @@ pub(super) fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec
 
 fn check(made: &Made, path: &Path, packing: &Packing) -> Result<()> {
     let is_unwrapped = made.parts.iter().any(|part| part.low.origin.islands.is_some());
-    let names_tiles = name_of(path).contains(UDIM);
+    let names_tiles = name_of(path).contains(BakeOptions::UDIM);
     let wrong = [
         (made.options.udim && !names_tiles, "UDIM tiles need <UDIM> in the file name, as in rock.<UDIM>.png"),
         (!made.options.udim && names_tiles, "<UDIM> in the file name needs a bake of UDIM tiles"),
