@@ -91,8 +91,8 @@ def surfaces() -> Iterator[Item]:
 def maps() -> Iterator[Item]:
     """The maps of `taotie bake`. A command may write several; the lamp's are those that a bronze does not have."""
     bronze = f"taotie bake {HIGH} --low {JUE} --size 512 --no-verify"
-    together = f"{bronze} --maps normal,albedo,height,bent,curvature,metallic-roughness -o maps.png"
-    points = f"{bronze} --maps normal,position,world-normal,thickness,wireframe,bevel,vector-displacement -o points.png"
+    together = f"{bronze} --maps normal,albedo,height,bent,curvature,convexity,concavity,metallic-roughness -o maps.png"
+    points = f"{bronze} --maps normal,position,world-normal,thickness,wireframe,bevel,vector-displacement,gradient -o points.png"
     lamps = "taotie bake lamp.gltf --low lamp.gltf --size 512 --no-verify --maps emission,alpha,occlusion -o lamp.png"
     ids = "taotie bake lamp-parts.obj --low lamp.gltf --size 512 --no-verify --maps normal,vertex-color,material-id,object-id -o ids.png"
     known = {
@@ -113,6 +113,9 @@ def maps() -> Iterator[Item]:
         "wireframe": (points, "points.wireframe.png", "the edges of the low-poly mesh"),
         "bevel": (points, "points.bevel.png", "the scan's normals with rounded edges"),
         "vector-displacement": (points, "points.vector-displacement.png", "the vector from the low-poly mesh to the scan"),
+        "convexity": (together, "maps.convexity.png", "ridges, for worn edges"),
+        "concavity": (together, "maps.concavity.png", "grooves, for dirt"),
+        "gradient": (points, "points.gradient.png", "from the lowest to the highest point"),
         "vertex-color": (ids, "ids.vertex-color.png", "the colours of the scan's vertices"),
         "material-id": (ids, "ids.material-id.png", "a colour for each material"),
         "object-id": (ids, "ids.object-id.png", "a colour for each object"),

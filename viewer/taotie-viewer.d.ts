@@ -13,6 +13,8 @@ export interface State {
     /** `shaded`, `clay`, `normals`, … */
     mode: string;
     wireframe: boolean;
+    /** Some projection rays of the bake, on report pages of bakes. */
+    rays: boolean;
     /** `given` or `raking`. */
     light: string;
     /** The direction of the raking light: degrees to the right, and above. */

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -107,7 +107,9 @@ class Written:
         >>> report["kind"]
         'taotie bake'
         """
-        proved = None if proof is None else {"figures": dict(proof.figures), "options": dict(proof.options)}
+        proved = None
+        if proof is not None:
+            proved = {"figures": dict(proof.figures), "maps": list(proof.maps), "options": dict(proof.options)}
         report: dict[str, Any] = json.loads(self._native.report(proved, list(require)))
         return report
 
@@ -309,7 +311,7 @@ def bake(
     maps: Sequence[Map | Literal["auto"]] = ("auto",),
     space: Literal["tangent", "object"] = "tangent",
     samples: Literal[1, 4, 9, 16, 25, 36, 49, 64] = 4,
-    bits: Literal[8, 16] = 8,
+    bits: Literal[8, 16, 32] = 8,
     dilation: int | Literal["auto"] = "auto",
     ao_rays: int = 64,
     ao_distance: float | None = None,
@@ -317,7 +319,8 @@ def bake(
     bevel_radius: float | None = None,
     ray_distance: float | Literal["auto"] = "auto",
     cage: Any = None,
-    match: Literal["by-name", "nearest"] = "by-name",
+    match: Literal["by-name", "isolated", "nearest", "uv"] = "by-name",
+    sizes: Mapping[str, int] | Literal["even", "same"] = "same",
     new_uvs: bool = False,
     udim: bool = False,
     ray_colors: bool = False,
@@ -372,7 +375,7 @@ def bake(
         Space of the normal map.
     samples : int
         Samples per texel, a square number.
-    bits : {8, 16}
+    bits : {8, 16, 32}
         Bits per channel of normal maps; 8-bit maps are dithered if banding would be visible.
     dilation : int or "auto"
         Padding around UV islands, texels; auto fills the map.
@@ -388,9 +391,12 @@ def bake(
         Length of the projection rays, model units; auto measures the gap between the meshes.
     cage : path, Model, or a mesh of another package, optional
         The low-poly mesh with its vertices moved outward.
-    match : {"by-name", "nearest"}
-        Which objects of the scan an object of the low-poly mesh shows. By name, ``X_low`` shows only ``X_high``, if
-        such names exist.
+    match : {"by-name", "isolated", "nearest", "uv"}
+        How points of the low-poly mesh find the scan. By name, ``X_low`` shows only ``X_high``, if such names exist;
+        isolated, so do rays for occlusion, bent normals, thickness and bevel; by UV, points of the same UV correspond.
+    sizes : dict, "even" or "same"
+        The sizes of the maps of the materials of `low`: by name, or ``"even"`` for texels of the same width on the surface,
+        with `size` for the largest maps.
     new_uvs : bool
         Ignore the UVs and materials of `low`: it is unwrapped, and gets the scan's materials.
     udim : bool
@@ -453,8 +459,6 @@ def bake(
     cage_file, cage_mesh = _source(cage)
     if cage is not None and ray_distance != "auto":
         raise invalid("cage", "it defines how far rays reach; omit ray_distance")
-    if match not in ("by-name", "nearest"):
-        raise invalid(f"match {match!r}", "expected one of: by-name, nearest")
     if noise not in (None, "keep", "remove"):
         raise invalid(f"noise {noise!r}", "expected one of: keep, remove")
     options = {
@@ -477,7 +481,8 @@ def bake(
         "ao_distance": ao_distance,
         "roughness": roughness,
         "bevel_radius": bevel_radius,
-        "by_name": match == "by-name",
+        "match": match,
+        "sizes": sizes if isinstance(sizes, str) else ",".join(f"{name}={side}" for name, side in sizes.items()) or "same",
         "new_uvs": new_uvs,
         "udim": udim,
         "keep_uvs": udim,

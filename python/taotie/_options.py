@@ -55,6 +55,9 @@ Map: TypeAlias = Literal[
     "wireframe",
     "bevel",
     "vector-displacement",
+    "convexity",
+    "concavity",
+    "gradient",
 ]
 #: The default background of images.
 BACKGROUND = "#2a2b2e"

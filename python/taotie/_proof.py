@@ -6,7 +6,7 @@ import base64
 import html
 import json
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeAlias, TypedDict
 
@@ -33,6 +33,7 @@ STAGES = {
     "sort the scan": 0.1,
     "write": 0.05,
     "read back": 0.05,
+    "measure maps": 0.05,
     "measure normals": 0.2,
     "map errors": 0.1,
     "compare views": 0.2,
@@ -135,6 +136,9 @@ class Proof:
         ``(H, W)`` float32: width of the asset's texels relative to the scan's finest detail; None without textures.
     options : dict
         The options that it was made with: points, map, view.
+    maps : list of dict
+        The maps, as under ``maps`` in the command's report: file, range, unit, and the ``error`` of those that no figure
+        covers, such as ``ao`` and ``height``. Empty for an asset that was not baked here.
 
     Examples
     --------
@@ -150,6 +154,7 @@ class Proof:
     color_map: Floats | None = None
     detail_map: Floats | None = None
     options: Mapping[str, int] = field(default_factory=dict)
+    maps: Sequence[Mapping[str, Any]] = ()
 
     @property
     def mean_deg(self) -> float:
@@ -330,8 +335,8 @@ def measured(measure: Callable[[dict[str, int], Running], dict[str, Any]], optio
     with running(options.get("progress"), options.get("threads"), STAGES) as run:
         found = measure(chosen, run)
     warn(found["warnings"])
-    maps = {name: found[name] for name in ("error_map", "color_map", "detail_map")}
-    proof = Proof(json.loads(found["figures"]), **maps, options=chosen)
+    fields = {name: found[name] for name in ("error_map", "color_map", "detail_map")}
+    proof = Proof(json.loads(found["figures"]), **fields, options=chosen, maps=json.loads(found["maps"]))
     log.info("proved %r", proof)
     return proof
 

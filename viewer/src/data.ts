@@ -136,4 +136,6 @@ export interface Data {
     /** The asset, and the scan if there is one. */
     models: ModelData[];
     errors: Errors | null;
+    /** The number of projection rays that found the scan, the first in the blob `rays`; null without rays. */
+    rays: number | null;
 }

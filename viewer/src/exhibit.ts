@@ -1,6 +1,8 @@
 // A model on the page, and sets of meshes that show it.
 
 import {
+    BufferAttribute,
+    BufferGeometry,
     LineBasicMaterial,
     LineSegments,
     Mesh,
@@ -24,6 +26,8 @@ import type { State } from "./state";
 import { type Source, Textures } from "./textures";
 
 const LINES = 0x6aa3ff;
+/** The colours of projection rays that found the scan, and of those that did not. */
+const RAYS = [0x3fd0a0, 0xff3b30] as const;
 
 /** The resources shared by all models. */
 export interface Shared extends Source {
@@ -83,6 +87,21 @@ export class Exhibit {
         return this.maps;
     }
 
+    /** The projection rays of the model: those that found the scan, and those that did not. */
+    async rays(): Promise<LineSegments[]> {
+        const { data, blobs } = this.shared;
+        if (data.rays === null || this.data !== data.models[0]) return [];
+        const ends = new Float32Array(await blobs("rays"));
+        const parts = [ends.subarray(0, data.rays * 6), ends.subarray(data.rays * 6)];
+        return parts.map((part, kind) => {
+            const geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(part, 3));
+            // Rays that missed are seen through the model.
+            const lines = new LineSegments(geometry, new LineBasicMaterial({ color: RAYS[kind]!, depthTest: kind === 0 }));
+            lines.frustumCulled = false;
+            return lines;
+        });
+    }
+
     private errorMaterial(number: number): Promise<RawShaderMaterial> {
         const known = this.errors.get(number) ?? this.errorMaps().then((maps) => maps.material(number));
         this.errors.set(number, known);
@@ -95,6 +114,7 @@ export class Showing {
     private readonly scene = new Scene();
     readonly meshes: Mesh[];
     private readonly wires: LineSegments[] = [];
+    private rays: LineSegments[] | undefined;
     private shadow: ShadowMap | undefined;
 
     constructor(private readonly exhibit: Exhibit) {
@@ -115,6 +135,7 @@ export class Showing {
             material.polygonOffset = state.wireframe;
         });
         this.showWires(state.wireframe);
+        await this.showRays(state.rays);
     }
 
     draw(renderer: WebGLRenderer, camera: PerspectiveCamera): void {
@@ -129,8 +150,11 @@ export class Showing {
         const areShown = this.wires.some(({ visible }) => visible);
         // Lines cast no shadows.
         this.showWires(false);
+        const rays = this.rays?.filter(({ visible }) => visible) ?? [];
+        for (const lines of rays) lines.visible = false;
         this.shadow.cast(renderer, to, (camera) => renderer.render(scene, camera));
         this.showWires(areShown);
+        for (const lines of rays) lines.visible = true;
         scene.overrideMaterial = null;
         return this.shadow;
     }
@@ -138,6 +162,14 @@ export class Showing {
     /** Makes `cast` draw the shadow map again. */
     forgetShadow(): void {
         this.shadow = undefined;
+    }
+
+    private async showRays(shown: boolean): Promise<void> {
+        if (shown && !this.rays) {
+            this.rays = await this.exhibit.rays();
+            if (this.rays.length > 0) this.scene.add(...this.rays);
+        }
+        for (const lines of this.rays ?? []) lines.visible = shown;
     }
 
     private showWires(shown: boolean): void {

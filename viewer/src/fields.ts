@@ -56,6 +56,7 @@ export const FIELDS: Record<keyof State, Field> = {
     surface: { names: ({ methods }) => [BEST, ...methods] },
     mode: { names: modes },
     wireframe: { isSwitch: true },
+    rays: { isSwitch: true },
     light: { names: () => LIGHTS },
     from: { numbers: [turn("azimuth"), elevation] },
     fixed: { names: () => FIXED },

@@ -45,6 +45,7 @@ function surface(viewer: Viewer): HTMLElement {
         }),
         choice(viewer, texts.beside, contents, { get: (state) => state.beside, set: (beside) => ({ beside }) }),
         toggle(viewer, texts.wireframe, { get: ({ wireframe }) => wireframe, set: (wireframe) => ({ wireframe }) }),
+        ...(data.rays === null ? [] : [toggle(viewer, texts.rays, { get: ({ rays }) => rays, set: (rays) => ({ rays }) })]),
     );
 }
 

@@ -20,6 +20,7 @@ export function firstState({ camera, light, film, shading, method }: Data): Stat
         surface: method ?? BEST,
         mode: "shaded",
         wireframe: false,
+        rays: false,
         light: "given",
         from: [-60, 20],
         fixed: "viewer",

@@ -39,6 +39,7 @@ export const texts = {
     lacking: " (no map)",
     mode: "Show",
     wireframe: "Wireframe",
+    rays: "Projection rays (red: missed the scan)",
     modes: {
         shaded: "shaded",
         clay: "clay",

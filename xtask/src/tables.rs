@@ -4,15 +4,16 @@ use crate::generated::{Content, Generated};
 use rayon::prelude::*;
 use std::fmt::Write;
 use std::path::Path;
-use taotie_engine::shade::dfg::{COLUMNS, ROWS, column_cosine, integrate, row_roughness};
+use taotie_engine::shade::dfg::{COLUMNS, ROWS, column_cosine, row_roughness};
+use taotie_engine::shade::furnace;
 
 /// Returns the file with the tables in `crates/taotie-engine/src/shade/dfg`.
 pub fn generated(root: &Path) -> Generated {
     let slope = |roughness: f64| roughness * roughness;
     let tables = [
-        source("GGX", "GGX", &table(integrate::ggx)),
-        source("COOK_TORRANCE", "Cook-Torrance", &table(|v, r| integrate::cook_torrance(v, slope(r)))),
-        source("SHEEN", "Sheen", &table(|v, r| [integrate::sheen(v, r)])),
+        source("GGX", "GGX", &table(furnace::dfg_of_ggx)),
+        source("COOK_TORRANCE", "Cook-Torrance", &table(|v, r| furnace::dfg_of_cook_torrance(v, slope(r)))),
+        source("SHEEN", "Sheen", &table(|v, r| [furnace::albedo_of_sheen(v, r)])),
     ];
     let header = "//! Tables of directional albedos. Made by `cargo run -p xtask -- tables`: do not edit.\n";
     let file = root.join("crates/taotie-engine/src/shade/dfg/albedos.rs");

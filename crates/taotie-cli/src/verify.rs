@@ -101,7 +101,7 @@ fn verify(args: &VerifyArgs) -> Result<Report> {
         console::show(&page.features);
     }
     if let (Some(page), [html, json]) = (&page, &pages[..]) {
-        let (page, warnings) = bake_page::html_with_asset(page, &proof, &args.asset);
+        let (page, warnings) = bake_page::html_with_asset(page, (&proof, None), &args.asset);
         console::say_warnings(&warnings);
         report.warnings.extend(warnings.list());
         report.files.clone_from(&pages);

@@ -252,6 +252,7 @@ fn viewer(args: &ViewArgs, files: &FileSet, warnings: &mut Warnings) -> Result<V
         development: &args.film.development(SimdLevel::default())?,
         scan: scan.as_ref().map(ShownScan::subject),
         errors: None,
+        rays: None,
     })?;
     warnings.absorb(viewer.warnings.clone());
     Ok(viewer)

@@ -178,6 +178,12 @@ fn digits_before_point(size: f64) -> i32 {
     exponent.parse().unwrap_or(0) + i32::from(mantissa != "1")
 }
 
+/// Formats a value with this number of significant digits, at least 1.
+pub fn significant(value: f64, digits: u8) -> String {
+    let (value, decimals) = rounded(value, digits);
+    format!("{value:.decimals$}")
+}
+
 /// Returns a value rounded to significant digits, and the number of decimals that shows them.
 fn rounded(value: f64, digits: u8) -> (f64, usize) {
     let digits = usize::from(digits.max(1));

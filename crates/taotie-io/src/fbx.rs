@@ -4,7 +4,7 @@
 //! those of OBJ files, unless they are embedded.
 
 use super::limits::Bytes;
-use super::loaded::{Loaded, checked};
+use super::loaded::{Loaded, Objects, checked};
 use super::obj::{Map, Mtl, Textures, material, neutral};
 use super::polygon::{Cutter, Outline};
 use super::reading::Reading;
@@ -161,6 +161,7 @@ fn assemble(reading: &Reading, file: &ufbx::Scene, loaded: &mut Loaded) -> Resul
     let mut scene = SceneData::default();
     let mut parts: BTreeMap<u32, Vec<(usize, usize)>> = BTreeMap::new();
     let mut materials = Materials::new(reading, file);
+    let mut objects = Vec::new();
     for (node, mesh) in shown {
         let id = mesh.element.element_id;
         let of_mesh = match parts.entry(id) {
@@ -179,12 +180,13 @@ fn assemble(reading: &Reading, file: &ufbx::Scene, loaded: &mut Loaded) -> Resul
             let material = materials.add((material.map(|m| &**m), is_colored), &mut loaded.warnings);
             let world_from_object = rounded(&node.geometry_to_world);
             scene.instances.push(Instance { mesh: *part, material, world_from_object });
-            loaded.object_names.push(node.element.name.to_string());
+            objects.push((node.element.element_id, node.element.name.to_string()));
         }
     }
     if scene.instances.is_empty() {
         return Err(Error::parse(reading.path(), "whole file", "it shows no polygons; re-export the model"));
     }
+    loaded.objects = Objects::joined(objects);
     materials.finish(&mut scene, loaded);
     let lacks = |instance: &&Instance| {
         let sets = scene.meshes[instance.mesh].uvs().len();

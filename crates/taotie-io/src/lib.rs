@@ -34,7 +34,7 @@ pub use bitmap::{
 pub use file::{FileHash, file_size, read as read_bytes, sha256, sha256_of};
 pub use json::Json;
 pub use limits::{Bytes, Limits, Stopwatch, free_memory, limits_note, most_threads};
-pub use loaded::{GltfStructure, Loaded, RootNode, Variants};
+pub use loaded::{GltfStructure, Loaded, Objects, RootNode, Variants};
 pub use reading::names_network;
 pub use text::{decode_text, name_before, quote};
 #[cfg(feature = "exr")]
@@ -45,8 +45,8 @@ pub use write::{
     ImageCodec, ImageFormat, LossyTexture, MapFormat, PackedGeometry, PackedImage, PngColor, PngImage,
     PngSamples, Stopper, TextureCodecs, VertexBits, WrittenScene, encode_glb, encode_gltf, encode_graft,
     encode_jpeg_bitmap, encode_map, encode_png, encode_png_bitmap, encode_scene, encode_scene_as,
-    encode_webp_bitmap, gltf_files, gltf_sampler, join_levels, sampler_constants, write_bytes, write_gltf,
-    write_image, write_png, write_png_bitmap, write_scene, write_text,
+    encode_tiff_floats, encode_webp_bitmap, gltf_files, gltf_sampler, join_levels, sampler_constants,
+    write_bytes, write_gltf, write_image, write_png, write_png_bitmap, write_scene, write_text,
 };
 #[cfg(feature = "exr")]
 pub use write::{ExrLayer, write_exr};

@@ -1,7 +1,10 @@
 //! The content of a model file: its scene, the notes and facts about it, and its sets of materials.
 
 use super::json::Json;
+use std::collections::HashMap;
+use std::hash::Hash;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::math::Mat4;
 use taotie_engine::scene::animation::Rig;
@@ -29,8 +32,8 @@ pub struct Loaded {
     /// Names of `scene.meshes`, in the same order; shorter if the file has no names. A mesh of an OBJ file has the
     /// names of the objects, or else groups, of its faces.
     pub mesh_names: Vec<String>,
-    /// Names of `scene.instances`, in the same order: those of nodes, else of meshes; shorter if the file has no names.
-    pub object_names: Vec<String>,
+    /// The objects that `scene.instances` belong to; none if the file has no objects.
+    pub objects: Objects,
     /// Files or names of `scene.textures`, in the same order.
     pub texture_names: Vec<String>,
     /// Further files that the model was read from, including those that could not be parsed.
@@ -149,4 +152,33 @@ impl Variants {
 fn material_in(mapping: &Mapping, variant: usize) -> Option<usize> {
     let place = mapping.binary_search_by_key(&variant, |(variant, _)| *variant).ok()?;
     Some(mapping[place].1)
+}
+
+/// The objects of a model: nodes of glTF and FBX files, and objects, else groups, of OBJ files.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Objects {
+    /// The name of each object; it may be empty.
+    pub names: Vec<String>,
+    /// The object of each of a scene's instances.
+    pub of_instances: Arc<[u32]>,
+}
+
+impl Objects {
+    /// Joins instances with the same key, each with the name of its object, in their order.
+    pub(crate) fn joined<K: Eq + Hash>(instances: impl IntoIterator<Item = (K, String)>) -> Self {
+        let (mut names, mut numbers) = (Vec::new(), HashMap::new());
+        let number = |(key, name)| {
+            *numbers.entry(key).or_insert_with(|| {
+                names.push(name);
+                names.len() as u32 - 1
+            })
+        };
+        let of_instances = instances.into_iter().map(number).collect();
+        Self { names, of_instances }
+    }
+
+    /// Returns the name of the object of each instance.
+    pub fn names_of_instances(&self) -> Vec<&str> {
+        self.of_instances.iter().map(|object| self.names[*object as usize].as_str()).collect()
+    }
 }

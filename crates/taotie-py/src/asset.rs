@@ -185,7 +185,7 @@ impl Written {
     fn report(&self, py: Python<'_>, proved: Option<Proved>, required: Vec<String>) -> PyResult<String> {
         let wrong = |error| exception(py, &error);
         let mut report = Report::of(&self.written).map_err(wrong)?;
-        if let Some(Proved { figures, options }) = proved {
+        if let Some(Proved { figures, maps, options }) = proved {
             let (figures, options) = (figures.read::<Figures>()?, options.read::<VerifyOptions>()?);
             let options = VerifyOptions {
                 requirements: requirements(&required, figures.unit).map_err(wrong)?,
@@ -194,17 +194,18 @@ impl Written {
             let certificate =
                 Certificate::of_written(&self.written, &figures, &options, &Signature::default());
             report.certificate = Some(certificate.map_err(wrong)?);
-            report.proof = Some(figures);
+            report.prove(figures, maps.read()?);
         }
         serde_json::to_string(&report).map_err(no_json)
     }
 }
 
-/// The figures of a proof and its options.
+/// The figures of a proof, its maps and its options.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct Proved {
     figures: Options,
+    maps: Options,
     options: Options,
 }
 
@@ -238,6 +239,7 @@ fn measured<'py>(
 fn results<'py>(py: Python<'py>, proof: &Proof) -> PyResult<Bound<'py, PyDict>> {
     let found = PyDict::new(py);
     found.set_item("figures", serde_json::to_string(&proof.figures).map_err(no_json)?)?;
+    found.set_item("maps", serde_json::to_string(&proof.maps).map_err(no_json)?)?;
     let errors = proof.error_map.as_ref().map(|map| arrays::of_field(py, map)).transpose()?;
     found.set_item("error_map", errors)?;
     let colors = proof.color_map.as_ref().map(|map| arrays::of_field(py, map)).transpose()?;

@@ -128,6 +128,7 @@ impl Look<'_> {
             development: &self.image.development()?,
             scan: scan.as_ref().map(ShownScan::subject),
             errors: None,
+            rays: None,
         })?;
         warnings.absorb(viewer.warnings.clone());
         Ok(Viewer { viewer, warnings })

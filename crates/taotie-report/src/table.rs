@@ -1,6 +1,8 @@
 //! Results as plain text: aligned columns, comma-separated values, and summaries of distributions.
 
 use taotie_engine::compare::Summary;
+use taotie_engine::length::{ShownLength, Unit, significant};
+use taotie_engine::proof::MapError;
 
 /// Rows of cells under titles, in aligned columns of text. Columns of numbers are right-aligned.
 pub struct Table {
@@ -128,6 +130,21 @@ pub fn summary_text(summary: &Summary, digits: usize, unit: &str) -> String {
     let [first, third] = summary.quartiles.map(number);
     format!("mean {mean}, median {median}, quartiles {first} and {third}, p95 {p95}, max {max}")
 }
+
+/// Returns the mean, p95 and maximum of a map's errors; lengths are in the unit of the figures.
+pub fn map_error_texts(MapError { unit, summary }: &MapError, of_figures: Option<Unit>) -> [String; 3] {
+    let text = |value: f64| match unit.as_str() {
+        "" => significant(value, 3),
+        "°" => format!("{}°", significant(value, 3)),
+        "share" => format!("{} %", significant(value * 100.0, 3)),
+        length if LENGTHS.contains(&length) => ShownLength::of(value, of_figures, 3).to_string(),
+        other => format!("{} {other}", significant(value, 3)),
+    };
+    [summary.mean, summary.p95, summary.max].map(text)
+}
+
+/// The units of lengths.
+const LENGTHS: [&str; 5] = ["model units", "mm", "cm", "m", "in"];
 
 /// Returns a cell, quoted if necessary.
 fn quoted(cell: String) -> String {

@@ -70,7 +70,7 @@ pub fn asset(work: &Work<'_>, file: ScanFile, address: &str) -> Result<AssetObje
     let options = bake_page::options(settings.verify.clone(), settings.report);
     let proof = written.verify(scan, &options, progress)?;
     report.warnings.extend(proof.warnings.list());
-    report.proof = Some(proof.figures.clone());
+    report.prove(proof.figures.clone(), proof.maps.clone());
     let certificate = Certificate::of_written(&written, &proof.figures, &options, &Signature::default());
     report.certificate = Some(certificate?);
     let mut all = written.files().to_vec();
@@ -171,7 +171,8 @@ fn picture(size: u32) -> Picture {
 /// Read and write errors.
 pub fn viewer_page(model: &Path, (path, files): Target<'_>, work: &Work<'_>) -> Result<()> {
     let limits = Limits { memory: work.limit(), ..Limits::default() };
-    let subject = AssetSubject { path: model, title: &work.stem(), limits: &limits, errors: None };
+    let subject =
+        AssetSubject { path: model, title: &work.stem(), limits: &limits, errors: None, rays: None };
     let (page, _) = subject.page(&|viewer| viewer.html())?;
     files.write_text(path, &page)
 }

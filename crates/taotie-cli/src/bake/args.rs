@@ -4,12 +4,12 @@ use crate::options::{self, fraction, positive};
 use crate::proof_args::{ProofArgs, ScanArgs};
 use crate::running::{LimitArgs, RunArgs};
 use crate::studio::{Green, Space};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use std::ffi::OsString;
 use std::path::PathBuf;
 use taotie::asset::{Channels, Lod, Preset, Requirement};
 use taotie_engine::Error;
-use taotie_engine::bake::MapKind;
+use taotie_engine::bake::{MapKind, MatchRule, SetSizes};
 use taotie_engine::names::Named;
 use taotie_engine::surface::NoiseHandling;
 use taotie_io::{CodecKind, CodecSet, TextureCodecs};
@@ -100,11 +100,15 @@ pub struct BakeArgs {
     /// smallest power of two, 256 to 8192, that preserves the scan's detail [default: 2048]
     #[arg(long, value_name = "N|WxH|auto", value_parser = options::map_size, help_heading = "Maps")]
     pub size: Option<[u32; 2]>,
+    /// Sizes of the maps of the materials of --low, or of its UDIM tiles: even gives all texels the same width on the
+    /// surface, and the largest maps --size; or by name [default: all --size]
+    #[arg(long, value_name = "even|NAME=N,...", requires = "low", help_heading = "Maps")]
+    pub sizes: Option<SetSizes>,
     /// Maps to bake, separated by commas: auto (normal, and all that varies in the scan's materials), normal, ao
     /// (ambient occlusion), albedo (base colour), height, bent (bent normals), curvature, roughness (widened by fine
     /// relief), metallic-roughness, emission, alpha, occlusion (the scan's own texture), position, world-normal,
     /// thickness, vertex-color, material-id, object-id, wireframe (the low-poly mesh's edges), bevel (normals with rounded
-    /// edges), vector-displacement
+    /// edges), vector-displacement, convexity, concavity, gradient (height from the scan's lowest to its highest point)
     #[arg(long, value_name = "auto|MAP,...", value_delimiter = ',', default_value = "auto", value_parser = map, help_heading = "Maps")]
     pub maps: Vec<Auto<MapKind>>,
     /// Space of the normal map. glTF has only tangent space, so an object-space map is written next to the asset
@@ -121,8 +125,9 @@ pub struct BakeArgs {
     /// Samples per texel
     #[arg(long, value_name = "K", default_value = "4", value_parser = ["1", "4", "9", "16", "25", "36", "49", "64"], help_heading = "Maps")]
     pub samples: String,
-    /// Bits per channel of normal maps; 8-bit maps are dithered where they would show banding [default: 8]
-    #[arg(long, value_parser = ["8", "16"], help_heading = "Maps")]
+    /// Bits per channel of normal maps; 8-bit maps are dithered where they would show banding. 32 stores all maps as
+    /// floats, in a .tiff; an .exr always does [default: 8]
+    #[arg(long, value_parser = ["8", "16", "32"], help_heading = "Maps")]
     pub bits: Option<String>,
     /// Padding around UV islands, 0 to 16384 texels; auto fills the whole map
     #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = dilation, help_heading = "Maps")]
@@ -143,10 +148,11 @@ pub struct BakeArgs {
     /// Length of the projection rays, model units; auto measures the gap between the meshes
     #[arg(long, value_name = "auto|X", default_value = "auto", value_parser = distance, help_heading = "Rays", conflicts_with = "cage")]
     pub ray_distance: Auto<f64>,
-    /// Which objects of the scan an object of the low-poly mesh shows. by-name: X_low shows only X_high, in glTF by node
-    /// and in OBJ by object, if such names exist; nearest ignores names
-    #[arg(long = "match", value_enum, default_value_t = Match::ByName, requires = "low", help_heading = "Rays")]
-    pub matching: Match,
+    /// How points of the low-poly mesh find the scan. by-name: X_low shows only X_high, in glTF by node and in OBJ by
+    /// object, if such names exist; isolated: so do rays for ao, bent, thickness and bevel; nearest ignores names; uv:
+    /// points of the same UV correspond, wherever they are [default: by-name]
+    #[arg(long = "match", value_name = "by-name|isolated|nearest|uv", value_parser = options::named::<MatchRule>, requires = "low", help_heading = "Rays")]
+    pub matching: Option<MatchRule>,
     /// Multiply ray distances, also those of a cage, by the red channel of the low-poly mesh's vertex colours, linear
     #[arg(long, requires = "low", help_heading = "Rays")]
     pub ray_colors: bool,
@@ -189,15 +195,6 @@ pub struct BakeArgs {
     pub limits: LimitArgs,
     #[command(flatten)]
     pub run: RunArgs,
-}
-
-/// How objects of the low-poly mesh find those of the scan.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Match {
-    /// By their names, if these match.
-    ByName,
-    /// By distance.
-    Nearest,
 }
 
 /// The normals that projection rays follow on flat faces.

@@ -64,7 +64,7 @@ fn bake(args: &BakeArgs, files: &FileSet) -> Result<Report> {
         let page = bake_page::page(&report, &proof, Some(written.asset()))?;
         console::show(&page.features);
         let (page, warnings) = match &shown {
-            Some(path) => bake_page::html_with_asset(&page, &proof, path),
+            Some(path) => bake_page::html_with_asset(&page, (&proof, Some(written.asset())), path),
             None => (taotie_report::html(&page), Warnings::default()),
         };
         console::say_warnings(&warnings);
@@ -96,7 +96,7 @@ fn add_proof(args: &BakeArgs, report: &mut Report, (written, proof): (&WrittenAs
     let (options, signature) = (args.proof_options(), args.proof.signature());
     console::say_warnings(&proof.warnings);
     report.warnings.extend(proof.warnings.list());
-    report.proof = Some(proof.figures.clone());
+    report.prove(proof.figures.clone(), proof.maps.clone());
     report.certificate = Some(Certificate::of_written(written, &proof.figures, &options, &signature)?);
     report.files.extend(args.reports());
     Ok(())

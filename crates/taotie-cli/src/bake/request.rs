@@ -1,7 +1,7 @@
 //! The request that the options of a bake make: which options work together, the bake and the packing, and the target
 //! of a search, unless triangles, size or packing are given.
 
-use super::args::{Auto, BakeArgs, Images, Match, Skew};
+use super::args::{Auto, BakeArgs, Images, Skew};
 use crate::studio::{Green, Space};
 use anyhow::{Result, anyhow, bail};
 use std::path::{Path, PathBuf};
@@ -146,6 +146,9 @@ impl BakeArgs {
         match maps.iter().find(|map| map.content() == MapContent::Length) {
             _ if format == MapFormat::Exr && self.bits.is_some() => {
                 bail!("--bits: an .exr stores floats; leave it out, or write a .png")
+            }
+            _ if self.bits() == 32 && format.bits() < 32 => {
+                bail!("--bits 32: a .{name} stores no floats; write a .tiff or .exr, or use 16")
             }
             _ if format.bits() > 8 => Ok(()),
             Some(map) => {
@@ -292,7 +295,8 @@ impl BakeArgs {
             ao_distance: self.ao_distance,
             roughness: self.roughness,
             bevel_radius: self.bevel_radius,
-            by_name: self.matching == Match::ByName,
+            matching: self.matching.unwrap_or_default(),
+            sizes: self.sizes.clone().unwrap_or_default(),
             new_uvs: self.new_uvs,
             udim: self.has_tiles(),
             ray_distance: self.ray_distance(),
@@ -323,11 +327,6 @@ impl BakeArgs {
         let named = self.maps.iter().filter_map(|map| map.given());
         let normal = self.carries().then_some(MapKind::Normal);
         normal.into_iter().chain(named).collect()
-    }
-
-    /// Returns true if normal or bent maps are baked, the only ones with a choice of bits.
-    fn bakes_normals(&self) -> bool {
-        self.maps().iter().any(|map| map.content() == MapContent::Direction)
     }
 
     fn ray_distance(&self) -> RayDistance {
@@ -371,7 +370,8 @@ impl BakeArgs {
     fn bits(&self) -> u8 {
         match self.bits.as_deref() {
             Some("16") => 16,
-            None if self.has_extension("exr") && self.bakes_normals() => 16,
+            Some("32") => 32,
+            None if self.has_extension("exr") => 32,
             _ => BakeOptions::default().bits,
         }
     }

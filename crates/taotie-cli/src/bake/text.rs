@@ -8,9 +8,10 @@ use taotie::asset::{
 };
 use taotie_engine::compare::Summary;
 use taotie_engine::length::{ShownLength, Unit, place_text, texel_text};
+use taotie_engine::names::Named;
 use taotie_engine::proof::{Region, WorstRegions};
 use taotie_engine::surface::{Noise, NoiseChange};
-use taotie_report::table::{Table, summary_text};
+use taotie_report::table::{Table, map_error_texts, summary_text};
 
 /// Formats the report as aligned lines.
 pub fn of(report: &Report) -> String {
@@ -29,8 +30,7 @@ pub fn of(report: &Report) -> String {
         table.row(["carried".into(), report.carried.join(", ")]);
     }
     if let Some(noise) = &report.noise {
-        let unit = report.proof.as_ref().and_then(|figures| figures.unit);
-        table.row(["noise of the scan".into(), noise_text(noise, unit)]);
+        table.row(["noise of the scan".into(), noise_text(noise, report.unit)]);
     }
     if let Some(figures) = &report.proof {
         if let Some(finest) = figures.finest() {
@@ -47,6 +47,7 @@ pub fn of(report: &Report) -> String {
         }
         levels(figures, &mut table);
         figures.parts.iter().for_each(|part| table.row([part.material.clone(), of_part(part)]));
+        map_errors(report).into_iter().for_each(|row| table.row(row));
         let unproved = report.bake.iter().flat_map(|bake| &bake.unproved_maps);
         let unseen: Vec<&str> = figures.unseen.iter().chain(unproved).map(String::as_str).collect();
         if !unseen.is_empty() {
@@ -287,6 +288,19 @@ fn levels(figures: &Figures, table: &mut Table) {
     for (level, figures) in figures.levels.iter().enumerate().skip(1) {
         table.row([format!("level {level}"), of_level(figures)]);
     }
+}
+
+/// Describes the errors of maps that no other figure covers.
+fn map_errors(report: &Report) -> Vec<[String; 2]> {
+    let errors = report.maps.iter().filter_map(|note| Some((note, note.error.as_ref()?)));
+    let mut rows = Vec::new();
+    for (note, error) in errors {
+        let material = note.material.as_ref().map_or(String::new(), |material| format!(" of {material}"));
+        let [mean, p95, max] = map_error_texts(error, report.unit);
+        let text = format!("mean {mean}, p95 {p95}, max {max}");
+        rows.push([format!("error of {}{material}", note.map.name()), text]);
+    }
+    rows
 }
 
 /// Describes the triangles of one material.

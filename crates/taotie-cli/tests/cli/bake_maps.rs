@@ -1,6 +1,7 @@
 //! `taotie bake`: maps of points, materials and objects; textures that pack channels; objects matched by name.
 
 use super::bake::document;
+use super::bake_document::{ship, start};
 use super::balls::{Ball, LOW, SCAN};
 use super::place::Place;
 use serde_json::{Value, json};
@@ -89,8 +90,110 @@ fn maps_of_points_have_units_and_names() {
     assert!(lines.contains(&0.0) && lines.contains(&1.0));
     let warnings = report["warnings"].to_string();
     assert!(warnings.contains("the map of vertex colours is black"), "{warnings}");
-    let unproved = report.to_string();
-    assert!(unproved.contains("position map") && unproved.contains("wireframe map"), "they are not compared");
+    assert_eq!(report["bake"]["unproved_maps"], json!(["wireframe map"]));
+    // Each in its own unit.
+    let error = |map: &str| {
+        let error = &note(&report, map)["error"];
+        (error["mean"].as_f64().unwrap(), error["unit"].as_str().unwrap().to_owned())
+    };
+    let bounds = [
+        ("position", 0.002, "mm"),
+        ("thickness", 0.01, "mm"),
+        ("world-normal", 2.0, "°"),
+        ("object-id", 0.0, "share"),
+    ];
+    for (map, most, unit) in bounds {
+        let (mean, found) = error(map);
+        assert!(mean <= most && found == unit, "{map}: {mean} {found}");
+    }
+    assert!(note(&report, "wireframe")["error"].is_null());
+}
+
+#[test]
+fn floats_are_the_numbers_themselves() {
+    let place = Place::with("scan.obj", SCAN.obj());
+    place.write("low.obj", LOW.obj());
+    let line = "bake scan.obj --low low.obj --size 32 --maps normal,position,curvature,gradient --json";
+    let of = |output: &str| place.json(&format!("{line} -o {output}"));
+    let (codes, tiff, exr) = (of("out.png"), of("floats.tiff --bits 32"), of("floats.exr"));
+    let [black, white] = ["black", "white"].map(|end| note(&codes, "curvature")[end].as_f64().unwrap());
+    for report in [&tiff, &exr] {
+        let about = note(report, "curvature");
+        assert_eq!(
+            (&about["bits"], &about["black"], &about["white"]),
+            (&json!(32), &json!(0.0), &json!(1.0))
+        );
+    }
+    let coded = channel(&picture(&place, "out.curvature.png"), 0);
+    let [tiff, exr] =
+        ["floats.curvature.tiff", "floats.curvature.exr"].map(|name| channel(&picture(&place, name), 0));
+    assert_eq!(tiff, exr);
+    for (code, number) in coded.iter().zip(&tiff) {
+        let clipped = f64::from(*number).clamp(black, white);
+        let apart = (black + f64::from(*code) * (white - black) - clipped).abs();
+        assert!(apart < 1e-4 * (white - black), "{code} {number}");
+    }
+    let [tiff, exr] = ["floats.tiff", "floats.exr"].map(|name| picture(&place, name));
+    assert_eq!(tiff.texels(), exr.texels());
+    let is_unit = |i: usize| {
+        let [x, y, z, _] = tiff.stored(i);
+        ((x * x + y * y + z * z).sqrt() - 1.0).abs() < 1e-4
+    };
+    assert!((0..32 * 32).all(is_unit), "vectors, not codes");
+    let refused = |output: &str, why: &str| {
+        let assert = place.taotie(&format!("{line} -o {output}")).assert().code(2);
+        let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
+        assert!(said.contains(why), "{said}");
+    };
+    refused("out.png --bits 32", "write a .tiff or .exr, or use 16");
+    refused("out.glb --bits 32", "write standalone maps");
+}
+
+#[test]
+fn materials_have_maps_of_their_own_size() {
+    let (place, low) = start();
+    place.write("low.glb", ship(&low));
+    let line = "bake scan.obj --low low.glb -o out.png --size 64 --json";
+    let side = |name: &str| picture(&place, &format!("out.{name}.png")).width();
+    let report = place.json(&format!("{line} --sizes wood=32,cloth=128"));
+    assert_eq!([side("wood"), side("iron"), side("cloth")], [32, 64, 128]);
+    assert_eq!(report["parameters"]["sizes"], "cloth=128,wood=32");
+    assert!(report["bake"]["uv_use"].as_f64().unwrap() <= 1.0);
+    let unknown = place.taotie(&format!("{line} --sizes gold=32")).assert().code(2);
+    let said = String::from_utf8_lossy(&unknown.get_output().stderr).into_owned();
+    assert!(
+        said.contains("the size of gold: the low-poly mesh has no such material; it has cloth, iron, wood"),
+        "{said}"
+    );
+    let wrong = place.taotie(&format!("{line} --sizes wood=8")).assert().code(2);
+    assert!(String::from_utf8_lossy(&wrong.get_output().stderr).contains("16 to 16384"));
+
+    // Two balls, the second half as large on the same uvs: so are its maps.
+    let half = Ball { radius: LOW.radius / 2.0, center: [6.0, 0.0, 0.0], ..LOW };
+    let small = Ball { radius: SCAN.radius / 2.0, center: [6.0, 0.0, 0.0], ..SCAN };
+    let place = Place::with("scan.obj", together(&[("whole", SCAN), ("half", small)]));
+    place.write("low.obj", together(&[("whole", LOW), ("half", half)]));
+    place.json("bake scan.obj --low low.obj -o out.png --size 64 --sizes even --json");
+    let side = |name: &str| picture(&place, &format!("out.{name}.png")).width();
+    assert_eq!([side("whole"), side("half")], [64, 32]);
+}
+
+#[test]
+fn points_of_the_same_uv_match_wherever_they_are() {
+    let place = Place::with("scan.obj", SCAN.obj());
+    place.write("away.obj", Ball { center: [9.0, 0.0, 0.0], uv: LOW.uv, ..SCAN }.obj());
+    place.write("low.obj", LOW.obj());
+    let line = "--low low.obj --size 64 --space object --no-verify -q";
+    place.taotie(&format!("bake scan.obj {line} -o rays.png --match nearest")).assert().success();
+    place.taotie(&format!("bake away.obj {line} -o uvs.png --match uv")).assert().success();
+    let [rays, uvs] = ["rays.png", "uvs.png"].map(|name| picture(&place, name));
+    let apart =
+        |i: usize| rays.stored(i).iter().zip(uvs.stored(i)).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+    let mean = (0..64 * 64).map(apart).sum::<f32>() / 4096.0;
+    assert!(mean < 0.02, "{mean}");
+    let refused =
+        place.taotie("bake away.obj --low low.obj --new-uvs -o out.glb --match uv").assert().code(2);
+    assert!(String::from_utf8_lossy(&refused.get_output().stderr).contains("omit new uvs"));
 }
 
 #[test]

@@ -122,7 +122,7 @@ impl Appearance {
     }
 
     /// Returns the index of a triangle's part.
-    pub fn object_number(&self, triangle: u32) -> usize {
+    pub fn part_number(&self, triangle: u32) -> usize {
         self.parts.partition_point(|part| part.triangle <= triangle) - 1
     }
 
@@ -201,7 +201,7 @@ impl Appearance {
     }
 
     fn part(&self, triangle: u32) -> &Part {
-        &self.parts[self.object_number(triangle)]
+        &self.parts[self.part_number(triangle)]
     }
 
     fn texture<'a>(&'a self, mesh: &'a Mesh, used: &'a TextureRef) -> TextureOnMesh<'a> {

@@ -1,12 +1,13 @@
 //! The directions and distances used to search for the high-poly surface.
 
-use super::projection::{Among, Correspondence, ProjectionRay};
+use super::projection::{Among, Correspondence, ProjectionRay, Target};
 use super::scan::Scan;
 use super::skew::{Evidence, Skew};
+use super::texel_surface::UvIndex;
 use crate::error::{Error, Result};
 use crate::image::Texture;
 use crate::math::{Vec3, integration};
-use crate::mesh::{Mesh, Point, blend, each, triangle_weights};
+use crate::mesh::{Mesh, Point, blend, each, sample_area, triangle_weights};
 use crate::parallel;
 use crate::surface;
 use crate::trace::Bvh;
@@ -28,6 +29,8 @@ pub struct Cage {
     groups: Option<Arc<CageGroups>>,
     /// Where rays follow the normals of triangles instead.
     skew: Skew,
+    /// The scan's triangles by their uvs, if points of the same uv correspond; `None` if the rays find them.
+    uvs: Option<Arc<UvIndex>>,
 }
 
 /// The objects of a scan that each triangle of a low-poly mesh shows: those of the same group.
@@ -82,13 +85,19 @@ const FALLBACK: f32 = 4.0;
 impl Cage {
     fn new(directions: Vec<Vec3>, distances: Vec<f32>) -> Self {
         let longest = distances.iter().fold(0.0, |most: f32, v| most.max(*v));
-        Self { directions, distances, longest, groups: None, skew: Skew::Kept }
+        Self { directions, distances, longest, groups: None, skew: Skew::Kept, uvs: None }
     }
 
     /// Makes each triangle show only the objects of its group.
     #[must_use]
     pub fn with_groups(self, groups: Option<Arc<CageGroups>>) -> Self {
         Self { groups, ..self }
+    }
+
+    /// Makes points of the mesh correspond to those of the scan with the same uv, instead of those on their rays.
+    #[must_use]
+    pub fn with_uvs(self, uvs: Option<Arc<UvIndex>>) -> Self {
+        Self { uvs, ..self }
     }
 
     /// Finds the distances: from points all over each triangle, searches for the scan along the directions and for
@@ -138,7 +147,8 @@ impl Cage {
     pub fn scaled(self, factors: &[f32]) -> Self {
         let mut distances = self.distances;
         distances.iter_mut().zip(factors).for_each(|(distance, factor)| *distance *= factor);
-        Self { skew: self.skew, ..Self::new(self.directions, distances).with_groups(self.groups) }
+        let longest = distances.iter().fold(0.0, |most: f32, v| most.max(*v));
+        Self { distances, longest, ..self }
     }
 
     /// Makes all rays follow the normals averaged at vertices.
@@ -198,18 +208,22 @@ impl Cage {
         let vertices = point.vertices(low);
         let directions = each(vertices, |v| self.directions[v]);
         let blended = blend(directions, point.weights).normalize_or(directions[0]);
+        let start = point.position(low);
+        let by_uv = self.uvs.as_ref().filter(|_| !low.uvs().is_empty());
         ProjectionRay {
-            point: point.position(low),
+            point: start,
             direction: self.skew.turned(low, point, blended),
             distance: blend(each(vertices, |v| self.distances[v]), point.weights),
             among: self.groups.as_ref().and_then(|groups| groups.among(point.triangle)),
+            target: by_uv.map_or(Target::OnRay, |uvs| Target::SameUv(uvs.closest(point.uv(low, 0), start))),
         }
     }
 
     /// Returns the correspondence of a projection ray that hit nothing: the closest point of the scan, if it faces
-    /// the same way.
+    /// the same way; none if that of the same uv is wanted.
     pub(super) fn fallback(&self, scan: &Scan, projection: &ProjectionRay<'_>) -> Option<Correspondence> {
-        scan.closest(projection, self.longest * FALLBACK)
+        let is_on_ray = projection.target == Target::OnRay;
+        is_on_ray.then(|| scan.closest(projection, self.longest * FALLBACK)).flatten()
     }
 
     /// Returns the cage for a copy of its mesh whose vertices are reordered, fewer or slightly displaced: each takes
@@ -225,7 +239,7 @@ impl Cage {
         let lines = parallel::collect(copy.positions().len(), |v| at(v).unwrap_or_default());
         let (directions, distances) = lines.into_iter().unzip();
         let groups = self.groups.as_ref().map(|groups| Arc::new(groups.carried_over(own, copy)));
-        Self::new(directions, distances).with_groups(groups)
+        Self::new(directions, distances).with_groups(groups).with_uvs(self.uvs.clone())
     }
 }
 
@@ -253,6 +267,44 @@ fn places(low: &Mesh, cage: &Mesh) -> Result<Vec<Option<Vec3>>> {
             "{torn} corners of its triangles are apart but share a vertex in the low-poly mesh: it is torn or its \
             triangles are in another order"
         ))),
+    }
+}
+
+/// Projection rays to look at: from their inner to their outer ends, world space.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct RayPreview {
+    /// Those that find the scan.
+    pub met: Vec<[Vec3; 2]>,
+    /// Those that do not.
+    pub missed: Vec<[Vec3; 2]>,
+}
+
+impl RayPreview {
+    /// Follows `count` rays from points spread evenly over a low-poly mesh; none if it has no area. If points of the same
+    /// uv correspond, a ray leads to that point.
+    pub fn of(low: &Mesh, cage: &Cage, (scan, count): (&Scan, usize)) -> Self {
+        let Ok(point) = sample_area(low, count) else { return Self::default() };
+        let rays = parallel::collect(count, |i| {
+            let ray = cage.projection_ray(low, point(i));
+            let found = scan.project(&ray);
+            let reach = ray.direction * ray.distance;
+            let ends = match (ray.target, &found) {
+                (Target::SameUv(_), Some(found)) => [ray.point, found.point.position(scan.mesh())],
+                _ => [ray.point - reach, ray.point + reach],
+            };
+            (ends, found.is_some())
+        });
+        let (met, missed): (Vec<_>, Vec<_>) = rays.into_iter().partition(|(_, is_met)| *is_met);
+        let ends = |rays: Vec<([Vec3; 2], bool)>| rays.into_iter().map(|(ends, _)| ends).collect();
+        Self { met: ends(met), missed: ends(missed) }
+    }
+
+    /// Returns the rays with those of another mesh.
+    #[must_use]
+    pub fn and(mut self, other: &Self) -> Self {
+        self.met.extend(&other.met);
+        self.missed.extend(&other.missed);
+        self
     }
 }
 
@@ -316,6 +368,7 @@ impl GapSearch<'_> {
             direction: blend(directions, at.weights).normalize_or(self.directions[0]),
             distance: (self.diagonal * NEAR) as f32,
             among: self.groups.and_then(|groups| groups.among(at.triangle)),
+            target: Target::OnRay,
         }
     }
 

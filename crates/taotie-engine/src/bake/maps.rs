@@ -2,8 +2,12 @@
 //!
 //! A map holds one number or vector per texel, row by row from the top.
 
+use crate::error::{Error, Result};
 use crate::math::Vec3;
 use crate::names::Named;
+use std::collections::BTreeMap;
+use std::fmt;
+use std::str::FromStr;
 
 /// A map that a scan can be baked into.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
@@ -51,6 +55,12 @@ pub enum MapKind {
     Bevel,
     /// The vector from the low-poly mesh to the scan.
     VectorDisplacement,
+    /// The scan's mean curvature where it bulges, 0 elsewhere.
+    Convexity,
+    /// The amount of the scan's mean curvature where it is hollow, 0 elsewhere.
+    Concavity,
+    /// The height of the scan's points between its lowest and its highest.
+    Gradient,
 }
 
 impl Named for MapKind {
@@ -76,6 +86,9 @@ impl Named for MapKind {
         ("wireframe", Self::Wireframe),
         ("bevel", Self::Bevel),
         ("vector-displacement", Self::VectorDisplacement),
+        ("convexity", Self::Convexity),
+        ("concavity", Self::Concavity),
+        ("gradient", Self::Gradient),
     ];
 }
 
@@ -103,12 +116,12 @@ impl MapKind {
             Self::Albedo => &[Plane::Albedo],
             Self::Height => &[Plane::Height],
             Self::Bent => &[Plane::Bent],
-            Self::Curvature => &[Plane::Curvature],
+            Self::Curvature | Self::Convexity | Self::Concavity => &[Plane::Curvature],
             Self::Roughness => &[Plane::Roughness],
             Self::MetallicRoughness => &[Plane::Roughness, Plane::Metallic],
             Self::Emission => &[Plane::Emission],
             Self::Alpha => &[Plane::Alpha],
-            Self::Position => &[Plane::Position],
+            Self::Position | Self::Gradient => &[Plane::Position],
             Self::WorldNormal => &[Plane::WorldNormal],
             Self::Thickness => &[Plane::Thickness],
             Self::VertexColor => &[Plane::VertexColor],
@@ -125,15 +138,15 @@ impl MapKind {
         match self {
             Self::Normal | Self::Bent | Self::WorldNormal | Self::Bevel => MapContent::Direction,
             Self::Albedo | Self::Emission | Self::VertexColor => MapContent::Color,
-            Self::Height | Self::Curvature | Self::Position | Self::Thickness | Self::VectorDisplacement => {
-                MapContent::Length
-            }
+            Self::Height | Self::Position | Self::Thickness | Self::VectorDisplacement => MapContent::Length,
+            Self::Curvature | Self::Convexity | Self::Concavity => MapContent::Length,
             Self::MaterialId | Self::ObjectId => MapContent::Label,
             Self::Occlusion
             | Self::OcclusionMap
             | Self::Roughness
             | Self::MetallicRoughness
             | Self::Alpha
+            | Self::Gradient
             | Self::Wireframe => MapContent::Fraction,
         }
     }
@@ -141,9 +154,24 @@ impl MapKind {
     /// Returns `true` if glTF materials have no slot for the map, so that it is a file next to the asset.
     pub const fn is_separate(self) -> bool {
         match self {
-            Self::Wireframe | Self::Bent | Self::WorldNormal | Self::Bevel | Self::VertexColor => true,
+            Self::Wireframe | Self::Gradient | Self::VertexColor => true,
+            Self::Bent | Self::WorldNormal | Self::Bevel => true,
             _ => matches!(self.content(), MapContent::Length | MapContent::Label),
         }
+    }
+
+    /// Returns the value of a map of curvature.
+    pub fn of_curvature(self, curvature: f32) -> f32 {
+        match self {
+            Self::Convexity => curvature.max(0.0),
+            Self::Concavity => (-curvature).max(0.0),
+            _ => curvature,
+        }
+    }
+
+    /// Returns the value of a gradient at this height of a scan: 0 at its lowest point, 1 at its highest.
+    pub fn gradient(y: f32, [lowest, highest]: [f32; 2]) -> f32 {
+        if highest > lowest { ((y - lowest) / (highest - lowest)).clamp(0.0, 1.0) } else { 0.0 }
     }
 }
 
@@ -189,6 +217,79 @@ impl From<Maps> for Vec<MapKind> {
 impl FromIterator<MapKind> for Maps {
     fn from_iter<I: IntoIterator<Item = MapKind>>(maps: I) -> Self {
         maps.into_iter().fold(Self::default(), Self::with)
+    }
+}
+
+/// The sizes of the maps of several materials. As text: `same`, `even`, or names as in `wood=1024,iron=512`.
+#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub enum SetSizes {
+    /// All have the same.
+    #[default]
+    Same,
+    /// Texels are as wide on the surface for all; the largest maps have the size of the bake.
+    Even,
+    /// Texels across and down, by the name of the material; the others have the size of the bake.
+    Named(BTreeMap<String, u32>),
+}
+
+impl SetSizes {
+    /// Returns the largest side of any maps if those of the bake have `side`.
+    pub fn largest(&self, side: u32) -> u32 {
+        match self {
+            Self::Named(sizes) => sizes.values().fold(side, |most, own| most.max(*own)),
+            Self::Same | Self::Even => side,
+        }
+    }
+}
+
+impl FromStr for SetSizes {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let wrong = || {
+            Error::invalid(
+                text,
+                "expected same, even, or names with sizes from 16 to 16384, as in wood=1024,iron=512",
+            )
+        };
+        let named = |item: &str| {
+            let (name, side) = item.rsplit_once('=').ok_or_else(wrong)?;
+            let side = side.trim().parse().ok().filter(|side| (16..=16_384).contains(side));
+            side.map(|side| (name.trim().to_owned(), side)).ok_or_else(wrong)
+        };
+        match text {
+            "same" => Ok(Self::Same),
+            "even" => Ok(Self::Even),
+            list => list.split(',').map(named).collect::<Result<_>>().map(Self::Named),
+        }
+    }
+}
+
+impl fmt::Display for SetSizes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Same => f.write_str("same"),
+            Self::Even => f.write_str("even"),
+            Self::Named(sizes) => {
+                let items: Vec<String> = sizes.iter().map(|(name, side)| format!("{name}={side}")).collect();
+                f.write_str(&items.join(","))
+            }
+        }
+    }
+}
+
+impl TryFrom<String> for SetSizes {
+    type Error = Error;
+
+    fn try_from(text: String) -> Result<Self> {
+        text.parse()
+    }
+}
+
+impl From<SetSizes> for String {
+    fn from(sizes: SetSizes) -> Self {
+        sizes.to_string()
     }
 }
 

@@ -6,6 +6,7 @@ use super::scan::Scan;
 use super::texture_lookup::{LookupPoint, MappedNormal};
 use crate::math::Vec3;
 use crate::mesh::{Point, blend};
+use crate::names::Named;
 use crate::trace::{Hit, Nearest, PacketView, Ray, RayInterval, RayPacket};
 
 /// A correspondence: the point of the high-poly surface onto which a point of the low-poly mesh is projected.
@@ -30,12 +31,56 @@ pub struct ProjectionRay<'a> {
     pub distance: f32,
     /// The objects of the scan on which its correspondence may be; `None` for all.
     pub among: Option<Among<'a>>,
+    /// Where its correspondence is.
+    pub target: Target,
+}
+
+/// How points of a low-poly mesh find those of the scan that they show.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum MatchRule {
+    /// Along rays; objects named `X_low` show only objects of the scan named `X_high`, with any X.
+    #[default]
+    ByName,
+    /// The same, and rays for occlusion, bent normals, thickness and rounded edges see only these objects, too.
+    Isolated,
+    /// Along rays, whatever the names of objects.
+    Nearest,
+    /// By the same uv.
+    Uv,
+}
+
+impl Named for MatchRule {
+    const WHAT: &'static str = "rule of matching";
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("by-name", Self::ByName),
+        ("isolated", Self::Isolated),
+        ("nearest", Self::Nearest),
+        ("uv", Self::Uv),
+    ];
+}
+
+impl MatchRule {
+    /// Returns `true` if names of objects matter.
+    pub const fn reads_names(self) -> bool {
+        matches!(self, Self::ByName | Self::Isolated)
+    }
+}
+
+/// The place of a correspondence.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Target {
+    /// Where the projection ray meets the scan.
+    #[default]
+    OnRay,
+    /// The point of the scan with the same uv; `None` if it has none there.
+    SameUv(Option<Point>),
 }
 
 /// The objects of a group.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Among<'a> {
-    /// The group of each object of the scan.
+    /// The group of each part of the scan.
     pub groups: &'a [Option<u32>],
     /// The group that counts.
     pub group: u32,
@@ -61,9 +106,18 @@ impl Scan {
     /// surface facing the other way is the far side of something else, and hidden walls and ghost layers do not count.
     /// If none of the points can be seen, the nearest one is used.
     pub fn project(&self, projection: &ProjectionRay<'_>) -> Option<Correspondence> {
+        if let Target::SameUv(found) = projection.target {
+            return found.map(|point| self.fixed(projection, point));
+        }
         let (ray, interval) = projection.ray();
         let nearest = self.bvh().nearest_to(&ray, interval, |hit| self.facing(hit, projection));
         self.visible_of(projection, nearest)
+    }
+
+    /// Returns the correspondence at a point of the scan, whichever way it faces.
+    fn fixed(&self, projection: &ProjectionRay<'_>, point: Point) -> Correspondence {
+        let way = point.position(self.mesh()) - projection.point;
+        Correspondence { height: way.dot(projection.direction), normal: point.normal(self.mesh()), point }
     }
 
     /// Returns the correspondence among the nearest hits to a position on its ray. Visibility is checked only if
@@ -102,8 +156,14 @@ impl Scan {
     /// Returns `true` if a triangle belongs to an object on which the correspondence may be.
     #[inline]
     fn may_show(&self, projection: &ProjectionRay<'_>, triangle: u32) -> bool {
-        projection.among.is_none_or(|among| {
-            among.groups.get(self.surface().object_number(triangle)) == Some(&Some(among.group))
+        self.is_among(projection.among, triangle)
+    }
+
+    /// Returns `true` if a triangle belongs to one of some objects; `None` is all of them.
+    #[inline]
+    pub(crate) fn is_among(&self, among: Option<Among<'_>>, triangle: u32) -> bool {
+        among.is_none_or(|among| {
+            among.groups.get(self.surface().part_number(triangle)) == Some(&Some(among.group))
         })
     }
 
@@ -145,7 +205,8 @@ pub(super) fn search(
     projections: &[ProjectionRay<'_>],
 ) -> Vec<Option<Correspondence>> {
     let one_by_one = || projections.iter().map(|projection| scan.project(projection)).collect();
-    if projections.len() <= FEW {
+    let is_on_ray = |projection: &ProjectionRay<'_>| projection.target == Target::OnRay;
+    if projections.len() <= FEW || !projections.iter().all(is_on_ray) {
         return one_by_one();
     }
     let Some(view) = view(group, corners, projections) else { return one_by_one() };
@@ -253,6 +314,7 @@ mod tests {
             direction,
             distance,
             among: None,
+            target: Target::OnRay,
         };
         let at = |z: f32, distance: f32| scan.project(&projection(z, up, distance));
         let below = at(0.2, 0.5).unwrap();
@@ -293,7 +355,13 @@ mod tests {
         let up = Vec3::new(0.0, 0.0, 1.0);
         let outside = Vec3::new(-0.3, 0.5, 0.1);
         let closest = |direction: Vec3, most: f32| {
-            let projection = ProjectionRay { point: outside, direction, distance: 0.0, among: None };
+            let projection = ProjectionRay {
+                point: outside,
+                direction,
+                distance: 0.0,
+                among: None,
+                target: Target::OnRay,
+            };
             scan.closest(&projection, most)
         };
         let found = closest(up, 1.0).unwrap();

@@ -23,6 +23,8 @@ pub struct Scan {
     sights: Sights,
     /// Which sides of its triangles can be seen, as far as queried so far.
     seen: OnceLock<SeenCells>,
+    /// The object of each part; parts beyond its end are separate objects.
+    objects: Arc<[u32]>,
 }
 
 impl Scan {
@@ -61,7 +63,19 @@ impl Scan {
         let mesh = surface.mesh();
         let bvh = Bvh::of(mesh.triangles().len(), |t| mesh.corners(t));
         let sights = sights(Ground { surface: &surface, bvh: &bvh });
-        Self { surface, bvh, sights, seen: OnceLock::new() }
+        Self { surface, bvh, sights, seen: OnceLock::new(), objects: Arc::default() }
+    }
+
+    /// Joins parts into objects: one number for each instance of its scene.
+    #[must_use]
+    pub fn with_objects(self, objects: Arc<[u32]>) -> Self {
+        Self { objects, ..self }
+    }
+
+    /// Returns the number of a triangle's object.
+    pub fn object_number(&self, triangle: u32) -> usize {
+        let part = self.surface.part_number(triangle);
+        self.objects.get(part).map_or(part, |object| *object as usize)
     }
 
     /// Returns the surface for visibility rays.
@@ -74,8 +88,8 @@ impl Scan {
         &self.sights
     }
 
-    /// Returns `true` if a point can be seen: its front, or either side of a double-sided material. Small triangles
-    /// are visible or hidden as a whole.
+    /// Returns `true` if a point can be seen: its front, or either side of a double-sided material. Parts of triangles whose
+    /// corners and centre are all visible, or all hidden, count as a whole.
     ///
     /// # Panics
     /// If the mesh has no such triangle.

@@ -260,9 +260,8 @@ const MOST_CUTS: u32 = 64;
 /// Maximum number of cells of all large triangles; they have none if they need more.
 const MOST_CELLS: usize = 1 << 24;
 
-/// A cache of the visible sides of triangles. Small triangles are visible or hidden as a whole, by their centroid.
-/// Large ones have cells: a cell whose centroid and corners are all visible or all hidden is so as a whole, others
-/// are tested point by point.
+/// A cache of the visible sides of triangles. Small triangles are one cell, large ones have several: a cell whose centroid
+/// and corners are all visible or all hidden is so as a whole, others are tested point by point.
 pub(super) struct SeenCells {
     /// The known state of small triangles, two bits per side, front first.
     small: Box<[AtomicU8]>,
@@ -273,6 +272,9 @@ pub(super) struct SeenCells {
     /// The mesh's diagonal, model units.
     diagonal: f32,
 }
+
+/// The corners of a triangle.
+const WHOLE: [[f32; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 /// The known state of a side.
 const UNKNOWN: u8 = 0;
@@ -328,11 +330,10 @@ impl SeenCells {
         let triangle = point.triangle;
         let at = |weights: [f32; 3]| Point { triangle, weights };
         let answer = |weights: [f32; 3]| if look(at(weights)) { SEEN } else { HIDDEN };
-        if longest_edge(mesh, triangle) <= self.diagonal * LARGE {
-            let state = &self.small[triangle as usize];
-            return remembered(state, shift, || answer([1.0 / 3.0; 3])) == SEEN;
-        }
-        let Some(Cell { state, corners }) = self.cell(point) else { return look(point) };
+        let is_small = longest_edge(mesh, triangle) <= self.diagonal * LARGE;
+        let whole = || Cell { state: &self.small[triangle as usize], corners: WHOLE };
+        let cell = if is_small { Some(whole()) } else { self.cell(point) };
+        let Some(Cell { state, corners }) = cell else { return look(point) };
         let middle = std::array::from_fn(|k| corners.iter().map(|weights| weights[k]).sum::<f32>() / 3.0);
         let all = || corners.into_iter().fold(answer(middle), |all, weights| all | answer(weights));
         match remembered(state, shift, all) {
@@ -447,11 +448,16 @@ mod tests {
     }
 
     #[test]
-    fn small_triangles_are_seen_or_hidden_as_a_whole() {
+    fn small_triangles_are_one_cell() {
         let mesh = triangle(0.1);
         let memory = SeenCells::new(&mesh, 20.0);
         let corner = Point { triangle: 0, weights: [1.0, 0.0, 0.0] };
-        assert!(memory.is_seen(&mesh, (corner, true), |point| point.weights[0] < 0.5));
+        assert!(memory.is_seen(&mesh, (corner, true), |_| true));
         assert!(memory.is_seen(&mesh, (corner, true), |_| false), "it is known");
+        let memory = SeenCells::new(&mesh, 20.0);
+        for point in points(20) {
+            let look = |point: Point| point.weights[0] < 0.3;
+            assert_eq!(memory.is_seen(&mesh, (point, true), look), point.weights[0] < 0.3, "half covered");
+        }
     }
 }

@@ -1,9 +1,10 @@
 //! Rays around a point of a scan: the open part of the hemisphere over it, the depth below it, and normals
 //! with rounded edges.
 
-use super::projection::Correspondence;
+use super::projection::{Among, Correspondence};
 use super::scan::Scan;
 use crate::math::{Vec2, Vec3, integration, scalar};
+use crate::mesh::Mesh;
 use crate::surface::facet_normal;
 use crate::trace::{Hit, PacketOrigins, ParallelRays, Ray};
 use std::cell::Cell;
@@ -18,6 +19,22 @@ pub(super) struct Sky {
     distance: f32,
     /// The height above the surface at which rays start.
     offset: f32,
+}
+
+/// The part of a scan that rays see.
+#[derive(Clone, Copy)]
+pub(crate) struct Seen<'a> {
+    pub scan: &'a Scan,
+    /// The objects that count; `None` for all.
+    pub among: Option<Among<'a>>,
+}
+
+impl Seen<'_> {
+    /// Returns `true` if a hit is on an object that counts.
+    #[inline]
+    pub fn has(&self, hit: &Hit) -> bool {
+        self.scan.is_among(self.among, hit.triangle)
+    }
 }
 
 /// A point whose sky is sampled.
@@ -88,7 +105,7 @@ impl Sky {
 
     /// Follows the directions into the surface below a point. Those that leave the scan without meeting it, as through
     /// a hole, do not count.
-    pub fn depth(&self, scan: &Scan, sample: &AoSample) -> Depth {
+    pub fn depth(&self, seen: Seen<'_>, sample: &AoSample) -> Depth {
         let below = sample.origin - sample.facet * (2.0 * self.offset);
         let mut depth = Depth::default();
         let own = self.directions.iter().skip(sample.class as usize).step_by(self.classes as usize);
@@ -96,7 +113,7 @@ impl Sky {
             let weight = -direction.dot(sample.normal);
             let hit = (weight > 0.0).then(|| {
                 let ray = Ray::new(below, *direction);
-                scan.bvh().nearest_of(&ray, f32::INFINITY, |_| true)
+                seen.scan.bvh().nearest_of(&ray, f32::INFINITY, |hit| seen.has(hit))
             });
             if let Some(hit) = hit.flatten() {
                 depth.distance += (hit.distance + self.offset) * weight;
@@ -107,11 +124,11 @@ impl Sky {
     }
 
     /// Samples the sky of each of these points; neighbours should be consecutive.
-    pub fn open(&self, scan: &Scan, ao_samples: &[AoSample]) -> Vec<Open> {
+    pub fn open(&self, seen: Seen<'_>, ao_samples: &[AoSample]) -> Vec<Open> {
         let mut open = vec![Open::default(); ao_samples.len()];
         for (class, direction) in self.classes(ao_samples).iter().cycle().zip(&self.directions) {
             let look = class.look(*direction);
-            let unblocked = self.unblocked(scan, &look);
+            let unblocked = self.unblocked(seen, &look);
             for ((i, weight), k) in look.weights.iter().enumerate().zip(&class.numbers) {
                 let open = &mut open[*k];
                 open.looked += weight;
@@ -135,7 +152,7 @@ impl Sky {
     }
 
     /// Returns the samples whose rays are unblocked, among those with a weight, one bit each.
-    fn unblocked(&self, scan: &Scan, look: &Look<'_>) -> Vec<u8> {
+    fn unblocked(&self, seen: Seen<'_>, look: &Look<'_>) -> Vec<u8> {
         /// Up to this number, rays are faster one by one.
         const FEW: u32 = 6;
         let looking = bits(&look.weights, |(_, weight)| *weight > 0.0);
@@ -147,10 +164,10 @@ impl Sky {
             let along = Ray::new(Vec3::default(), look.direction);
             return bits(&look.weights, |(i, weight)| {
                 let ray = along.from(look.class.origins.at(i));
-                *weight > 0.0 && !scan.bvh().occluded(&ray, self.distance, |_| true)
+                *weight > 0.0 && !seen.scan.bvh().occluded(&ray, self.distance, |hit| seen.has(hit))
             });
         };
-        scan.bvh().meet_all(&mut packet, |_, hit| hit.distance >= self.distance);
+        seen.scan.bvh().meet_all(&mut packet, |_, hit| hit.distance >= self.distance || !seen.has(&hit));
         packet.into_going()
     }
 }
@@ -222,7 +239,7 @@ struct Look<'a> {
 /// through a disk: half of them along the normal, and a quarter along each of two tangents, so that walls that are
 /// parallel to the normal count too; each hit is divided by the density with which all lines meet the surface there.
 /// Source: King et al. 2013, "BSSRDF importance sampling", with a uniform density on the disks.
-pub(super) struct Bevel {
+pub(crate) struct Bevel {
     /// Model units.
     radius: f32,
     /// Lines, the same for every point of a map.
@@ -246,8 +263,10 @@ const SHARES: [f32; 3] = [0.5, 0.25, 0.25];
 const FACING_AWAY: f32 = -0.5;
 
 impl Bevel {
-    /// Makes about `rays` lines for each texel of `classes` samples.
-    pub fn new(radius: f32, rays: u32, classes: u32) -> Self {
+    /// Makes about `rays` lines for each texel of `classes` samples; without a radius, it is 1 % of the scan's diagonal.
+    pub fn of_scan(scan: &Mesh, radius: Option<f32>, (rays, classes): (u32, u32)) -> Self {
+        const RADIUS: f64 = 0.01;
+        let radius = radius.unwrap_or((scan.diagonal() * RADIUS) as f32);
         let points = integration::Sequence::new(0);
         let line = |i: u32| {
             let [u, v, w, _] = points.four(i, 0);
@@ -261,12 +280,13 @@ impl Bevel {
     }
 
     /// Returns the average normal at a correspondence, not normalised; `class` is the sample's index within its texel.
-    pub fn normal(&self, scan: &Scan, found: &Correspondence, class: u32) -> Vec3 {
+    pub fn normal(&self, seen: Seen<'_>, found: &Correspondence, class: u32) -> Vec3 {
+        let scan = seen.scan;
         let center = found.point.position(scan.mesh());
         let normal = facet_of(scan, found);
         let tangent = normal.any_perpendicular();
         let around =
-            Around { scan, center, axes: [normal, tangent, normal.cross(tangent)], radius: self.radius };
+            Around { seen, center, axes: [normal, tangent, normal.cross(tangent)], radius: self.radius };
         // Runs of a low-discrepancy sequence are well distributed; every fourth of its points, say, would not be.
         let each = self.lines.len() / self.classes;
         let own = self.lines.iter().skip(class as usize % self.classes * each).take(each);
@@ -277,7 +297,7 @@ impl Bevel {
 
 /// The surroundings of a point.
 struct Around<'a> {
-    scan: &'a Scan,
+    seen: Seen<'a>,
     center: Vec3,
     /// The normal and two tangents.
     axes: [Vec3; 3],
@@ -293,15 +313,17 @@ impl Around<'_> {
         let ray = Ray::new(self.center + across * self.radius - direction * half, direction);
         let sum = Cell::new(Vec3::default());
         // All hits are visited, since none is accepted.
-        self.scan.bvh().nearest_of(&ray, 2.0 * half, |hit| {
-            sum.set(sum.get() + self.weighted(hit));
+        self.seen.scan.bvh().nearest_of(&ray, 2.0 * half, |hit| {
+            if self.seen.has(hit) {
+                sum.set(sum.get() + self.weighted(hit));
+            }
             false
         });
         sum.get()
     }
 
     fn weighted(&self, hit: &Hit) -> Vec3 {
-        let mesh = self.scan.mesh();
+        let mesh = self.seen.scan.mesh();
         let Some(facet) = facet_normal(mesh.corners(hit.triangle as usize)) else { return Vec3::default() };
         let normal = hit.point().normal(mesh);
         let away = 1.0 - (hit.point().position(mesh) - self.center).length() / self.radius;

@@ -121,8 +121,9 @@ fn most(ranks: impl Iterator<Item = usize>) -> usize {
 }
 
 /// The maps of the scan's points.
-pub(super) const OF_POINTS: [MapKind; 7] = [
+pub(super) const OF_POINTS: [MapKind; 8] = [
     MapKind::Position,
+    MapKind::Gradient,
     MapKind::Thickness,
     MapKind::VertexColor,
     MapKind::MaterialId,
@@ -160,7 +161,7 @@ impl PointSums {
             self.color += point.color(scan.mesh());
         }
         self.material.add(scan.surface().material_number(point.triangle) as u32);
-        self.object.add(scan.surface().object_number(point.triangle) as u32);
+        self.object.add(scan.object_number(point.triangle) as u32);
     }
 
     /// Adds a unit normal with rounded edges.

@@ -5,10 +5,12 @@ use super::texture_lookup::LookupPoint;
 use super::textured_mesh::TexturedMesh;
 use crate::error::{Error, Result};
 use crate::math::{Vec2, Vec3};
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, Point, blend};
 use crate::parallel;
 use crate::scene::Scene;
 use crate::trace::{Bvh, Ray};
+use std::cell::Cell;
+use std::fmt;
 
 /// A point of a mesh as the renderer sees it: interpolated between vertices, in object space.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -219,10 +221,69 @@ impl UvTriangle {
     }
 }
 
-/// The first uv set of a scene as a flat mesh whose points map to a position and normal.
-pub struct UvLookup {
+/// The triangles of a mesh by their first uvs.
+pub struct UvIndex {
     /// Each triangle at (u, v, 0).
     bvh: Bvh,
+    /// The position of each corner.
+    corners: Vec<[Vec3; 3]>,
+}
+
+impl fmt::Debug for UvIndex {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "UvIndex of {} triangles", self.corners.len())
+    }
+}
+
+impl UvIndex {
+    /// Indexes all triangles.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] if the mesh has no uvs.
+    pub fn of(mesh: &Mesh) -> Result<Self> {
+        let Some(uvs) = mesh.uvs().first() else {
+            return Err(Error::invalid(
+                "the scan",
+                "it has no uvs to match; give it those of the low-poly mesh",
+            ));
+        };
+        let place = |v: u32| Vec3::new(uvs[v as usize].x, uvs[v as usize].y, 0.0);
+        let count = mesh.triangles().len();
+        let bvh = Bvh::of(count, |t| mesh.triangles()[t].map(place));
+        Ok(Self { bvh, corners: (0..count).map(|t| mesh.corners(t)).collect() })
+    }
+
+    /// Returns the point at this uv; if triangles overlap, of the first.
+    fn first(&self, uv: Vec2) -> Option<Point> {
+        Some(self.bvh.nearest(&Self::line(uv), f32::INFINITY)?.point())
+    }
+
+    /// Returns the point at this uv; if triangles overlap, the closest to a position. Away from all triangles, it is the point
+    /// of the nearest one, at most 0.005 away.
+    pub fn closest(&self, uv: Vec2, position: Vec3) -> Option<Point> {
+        const NEAR: f32 = 0.005;
+        let closest = Cell::new(None::<(f32, Point)>);
+        // All hits are visited, since none is accepted.
+        self.bvh.nearest_of(&Self::line(uv), f32::INFINITY, |hit| {
+            let point = hit.point();
+            let away = (blend(self.corners[point.triangle as usize], point.weights) - position).length();
+            if closest.get().is_none_or(|(least, _)| away < least) {
+                closest.set(Some((away, point)));
+            }
+            false
+        });
+        let nearest = || Some(self.bvh.closest(Vec3::new(uv.x, uv.y, 0.0), NEAR)?.point());
+        closest.get().map(|(_, point)| point).or_else(nearest)
+    }
+
+    fn line(uv: Vec2) -> Ray {
+        Ray::new(Vec3::new(uv.x, uv.y, -1.0), Vec3::new(0.0, 0.0, 1.0))
+    }
+}
+
+/// The first uv set of a scene as a flat mesh whose points map to a position and normal.
+pub struct UvLookup {
+    index: UvIndex,
     surface: TexturedMesh,
 }
 
@@ -230,22 +291,18 @@ impl UvLookup {
     /// Indexes all triangles of `scene` by their first uvs. Meshes without uvs are skipped.
     ///
     /// # Errors
-    /// [`crate::Error::Limit`] if the scene has more than 2^32 − 1 vertices.
+    /// [`Error::Invalid`] if no mesh has uvs; [`Error::Limit`] if the scene has more than 2^32 − 1 vertices.
     pub fn new(scene: &Scene) -> Result<Self> {
         let mut scene = scene.clone().into_data();
         scene.instances.retain(|instance| !scene.meshes[instance.mesh].uvs().is_empty());
         let surface = TexturedMesh::new(Scene::new(scene)?)?;
-        let mesh = surface.mesh();
-        let place = |v: u32| Vec3::new(mesh.uvs()[0][v as usize].x, mesh.uvs()[0][v as usize].y, 0.0);
-        let bvh = Bvh::of(mesh.triangles().len(), |t| mesh.triangles()[t].map(place));
-        Ok(Self { bvh, surface })
+        Ok(Self { index: UvIndex::of(surface.mesh())?, surface })
     }
 
     /// Returns the position and the unit normal (world space) at this uv, with normal and height maps read at their
     /// finest level; if triangles overlap, of the first. `None` if there is none.
     pub fn at(&self, uv: Vec2) -> Option<(Vec3, Vec3)> {
-        let ray = Ray::new(Vec3::new(uv.x, uv.y, -1.0), Vec3::new(0.0, 0.0, 1.0));
-        let point = self.bvh.nearest(&ray, f32::INFINITY)?.point();
+        let point = self.index.first(uv)?;
         let mesh = self.surface.mesh();
         let normal = self.surface.normal(LookupPoint::finest(point), point.normal(mesh)).normal;
         Some((point.position(mesh), normal))

@@ -7,7 +7,7 @@ use super::layout::{BAND, Layout, TriangleSamples};
 use super::maps::{BakeCounts, Baked, BakedMaps, BandMaps, MapKind, Maps, Plane, TexelStatus};
 use super::projection::{Correspondence, ProjectionRay, search};
 use super::scan::Scan;
-use super::sky::{AoSample, Bevel, Sky};
+use super::sky::{AoSample, Bevel, Seen, Sky};
 use super::texel_sums::{MaterialSums, OF_POINTS, PointSums};
 use super::texture_lookup::LookupPoint;
 use crate::error::{Error, Result};
@@ -41,6 +41,9 @@ pub struct BakeSettings {
     pub roughness: Option<f32>,
     /// The radius of rounded edges, model units; `None` for 1 % of the scan's diagonal.
     pub bevel_radius: Option<f32>,
+    /// `true` if rays for occlusion, bent normals, thickness and rounded edges see only the objects of the scan on which
+    /// a correspondence may be.
+    pub isolated: bool,
     /// The number of texels around each UV island that take the value of the nearest one; `None` fills the whole map.
     pub dilation: Option<u32>,
 }
@@ -57,6 +60,7 @@ impl Default for BakeSettings {
             sky_distance: None,
             roughness: None,
             bevel_radius: None,
+            isolated: false,
             dilation: None,
         }
     }
@@ -93,13 +97,14 @@ pub fn bake(input: BakeInput<'_>, settings: &BakeSettings, progress: Progress<'_
     let BakeInput { low, cage, scan } = input;
     check(low, settings)?;
     let layout = Layout::new(low, &low.uvs()[0], settings.size, settings.side)?;
+    let mut maps = BakedMaps::new(settings.size, settings.maps);
     let wants = |kind| settings.maps.has(kind);
     let reads_materials = settings.maps.has_any(&OF_MATERIALS);
     let of_sky = [MapKind::Occlusion, MapKind::Bent, MapKind::Thickness];
     let job = Job {
         sky: settings.maps.has_any(&of_sky).then(|| sky(low, settings)),
         bevel: wants(MapKind::Bevel).then(|| bevel(scan.mesh(), settings)),
-        curvatures: if wants(MapKind::Curvature) { mean_curvatures(scan.mesh()) } else { Vec::new() },
+        curvatures: if maps.has(Plane::Curvature) { mean_curvatures(scan.mesh()) } else { Vec::new() },
         alpha_modes: if reads_materials { scan.alpha_modes(low, cage) } else { Vec::new() },
         without_hit: scan.surface().first_factors(),
         layout,
@@ -107,7 +112,6 @@ pub fn bake(input: BakeInput<'_>, settings: &BakeSettings, progress: Progress<'_
         scan,
         settings,
     };
-    let mut maps = BakedMaps::new(settings.size, settings.maps);
     let counts = job.bands(maps.bands(BAND), progress)?;
     let counts = BakeCounts { flat: job.layout.flat, ..counts };
     fill(&mut maps, settings.dilation);
@@ -135,10 +139,7 @@ fn sky(low: &Mesh, settings: &BakeSettings) -> Sky {
 }
 
 fn bevel(scan: &Mesh, settings: &BakeSettings) -> Bevel {
-    /// The radius as a fraction of the scan's diagonal.
-    const RADIUS: f64 = 0.01;
-    let radius = settings.bevel_radius.unwrap_or((scan.diagonal() * RADIUS) as f32);
-    Bevel::new(radius, settings.sky_rays, settings.side * settings.side)
+    Bevel::of_scan(scan, settings.bevel_radius, (settings.sky_rays, settings.side * settings.side))
 }
 
 /// The maps read from the scan's materials.
@@ -253,6 +254,9 @@ impl Job<'_> {
         let draws_edges = self.settings.maps.has(MapKind::Wireframe);
         let edges = draws_edges.then(|| group.edges(self.layout.side));
         let mut ao_samples = Vec::new();
+        // All rays of a triangle have the same objects.
+        let among = projections.first().and_then(|projection| projection.among);
+        let seen = Seen { scan: self.scan, among: among.filter(|_| self.settings.isolated) };
         for ((sample, projection), found) in group.samples.iter().zip(&projections).zip(found) {
             let cell = &mut cells.surfaces[sample.texel as usize];
             self.add_frame(group.point(sample), cell);
@@ -271,12 +275,12 @@ impl Job<'_> {
                 sums.add(self.scan, found.point);
                 sums.add_way(found.point.position(self.scan.mesh()) - projection.point);
                 if let Some(bevel) = &self.bevel {
-                    sums.add_bevel(bevel.normal(self.scan, &found, class));
+                    sums.add_bevel(bevel.normal(seen, &found, class));
                 }
                 if let Some((sky, ao_sample)) = &ao_sample
                     && self.settings.maps.has(MapKind::Thickness)
                 {
-                    sums.add_depth(sky.depth(self.scan, ao_sample));
+                    sums.add_depth(sky.depth(seen, ao_sample));
                 }
             }
             if let Some((_, ao_sample)) = ao_sample {
@@ -284,14 +288,14 @@ impl Job<'_> {
             }
         }
         if self.settings.maps.has_any(&[MapKind::Occlusion, MapKind::Bent]) {
-            self.add_sky(ao_samples, &mut cells.surfaces);
+            self.add_sky(seen, ao_samples, &mut cells.surfaces);
         }
     }
 
-    fn add_sky(&self, ao_samples: Vec<(u32, AoSample)>, cells: &mut [Cell]) {
+    fn add_sky(&self, seen: Seen<'_>, ao_samples: Vec<(u32, AoSample)>, cells: &mut [Cell]) {
         let Some(sky) = &self.sky else { return };
         let (texels, ao_samples): (Vec<u32>, Vec<AoSample>) = ao_samples.into_iter().unzip();
-        for (texel, open) in texels.into_iter().zip(sky.open(self.scan, &ao_samples)) {
+        for (texel, open) in texels.into_iter().zip(sky.open(seen, &ao_samples)) {
             let cell = &mut cells[texel as usize];
             cell.looked += open.looked;
             cell.open += open.seen;
@@ -437,28 +441,35 @@ impl Job<'_> {
 /// Returns the mean curvature at each vertex, in 1 / model units: above 0 if the surface bulges, 1/r on a sphere of
 /// radius r.
 ///
-/// Each edge measures how its ends' normals diverge over its length, (n_j − n_i)·(p_j − p_i) / |p_j − p_i|²; a vertex
-/// gets the mean over the edges of its triangles.
-/// Source: Rusinkiewicz 2004, "Estimating curvatures and their derivatives on triangle meshes", eq. 4, along edges.
-fn mean_curvatures(mesh: &Mesh) -> Vec<f32> {
-    let mut sums = vec![(0.0f32, 0u32); mesh.positions().len()];
-    let bend = |i: u32, k: u32| {
-        let [a, b] = [i, k].map(|v| mesh.positions()[v as usize]);
-        let [m, n] = [i, k].map(|v| mesh.normals()[v as usize]);
-        let edge: Vec3 = b - a;
-        let squared = edge.dot(edge);
-        (squared > 0.0).then(|| (n - m).dot(edge) / squared)
-    };
-    for [a, b, c] in mesh.triangles() {
-        for [i, k] in [[*a, *b], [*b, *c], [*c, *a]] {
-            for (v, bend) in [i, k].into_iter().zip(bend(i, k).into_iter().cycle()) {
-                let (sum, count) = &mut sums[v as usize];
-                *sum += bend;
-                *count += 1;
-            }
+/// It is half the divergence of the normals, which are interpolated linearly over each triangle: div n = Σ nᵢ · (N × eᵢ) / 2A
+/// over its corners, with its normal N, its area A and the edge eᵢ opposite to the corner. A vertex gets the mean over its
+/// triangles, weighted by area. Edges where normals are split do not count.
+/// Source: Theisel et al. 2004, "Normal based estimation of the curvature tensor for triangular meshes".
+pub(crate) fn mean_curvatures(mesh: &Mesh) -> Vec<f32> {
+    let mut sums = vec![(0.0f64, 0.0f64); mesh.positions().len()];
+    for (t, triangle) in mesh.triangles().iter().enumerate() {
+        let corners = mesh.corners(t).map(Vec3::to_f64);
+        let [a, b, c] = corners;
+        // Twice the area.
+        let across = (b - a).cross(c - a);
+        let area = across.length();
+        if area <= 0.0 {
+            continue;
+        }
+        let spread = |k: usize| {
+            let opposite = corners[(k + 2) % 3] - corners[(k + 1) % 3];
+            let normal = mesh.normals()[triangle[k] as usize].to_f64();
+            normal.dot(across.cross(opposite)) / area
+        };
+        // Twice the area times the curvature.
+        let bend = (spread(0) + spread(1) + spread(2)) / (2.0 * area) * area;
+        for v in triangle {
+            let (sum, weight) = &mut sums[*v as usize];
+            *sum += bend;
+            *weight += area;
         }
     }
-    sums.into_iter().map(|(sum, count)| if count == 0 { 0.0 } else { sum / count as f32 }).collect()
+    sums.into_iter().map(|(sum, weight)| if weight > 0.0 { (sum / weight) as f32 } else { 0.0 }).collect()
 }
 
 #[cfg(test)]

@@ -74,8 +74,8 @@ impl TexturedMesh {
     ///
     /// # Panics
     /// If the mesh has no such triangle.
-    pub fn object_number(&self, triangle: u32) -> usize {
-        self.appearance.object_number(triangle)
+    pub fn part_number(&self, triangle: u32) -> usize {
+        self.appearance.part_number(triangle)
     }
 
     /// Returns the factors of the first instance's material, used if no surface is found.

@@ -191,6 +191,13 @@ impl Mesh {
         (pick(f64::max) - pick(f64::min)).length()
     }
 
+    /// Returns the least and the largest y of its positions; zeros without any.
+    pub fn vertical_extent(&self) -> [f32; 2] {
+        let ends = |[least, most]: [f32; 2], p: &Vec3| [least.min(p.y), most.max(p.y)];
+        let Some(first) = self.data.positions.first() else { return [0.0; 2] };
+        self.data.positions.iter().fold([first.y; 2], ends)
+    }
+
     /// The area of its triangles under a transform, in square world units.
     pub fn area(&self, world_from_object: &Mat4) -> f64 {
         let area = |triangle: usize| {

@@ -21,7 +21,7 @@ use crate::surface::{decode_object_normal, encode_normal};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Storage {
-    /// Bits per channel, 8 or 16.
+    /// Bits per channel: 8 or 16, or 32 for floats, which are neither rounded nor dithered.
     pub bits: u8,
     /// `true` to add a pattern of less than one code before rounding.
     ///
@@ -70,7 +70,7 @@ pub struct Stored {
 /// ```
 ///
 /// # Errors
-/// [`Error::Invalid`] if the bits are neither 8 nor 16.
+/// [`Error::Invalid`] if the bits are not 8, 16 or 32.
 pub fn store_normals(
     normals: &Image,
     space: NormalSpace,
@@ -106,7 +106,7 @@ pub fn store_normals(
 /// ```
 ///
 /// # Errors
-/// [`Error::Invalid`] if the bits are neither 8 nor 16.
+/// [`Error::Invalid`] if the bits are not 8, 16 or 32.
 pub fn store_unit_vectors(size: [u32; 2], vectors: &[[f32; 3]], storage: Storage) -> Result<Bitmap> {
     let up = Vec3::new(0.0, 0.0, 1.0);
     let code = |i: usize| encode_normal(Vec3::from_array(vectors[i]).normalize_or(up)).to_array();
@@ -116,7 +116,7 @@ pub fn store_unit_vectors(size: [u32; 2], vectors: &[[f32; 3]], storage: Storage
 /// Stores a map of one or three `channels`, with values in [0, 1] given by `code` for each texel.
 ///
 /// # Errors
-/// [`Error::Invalid`] if the bits are neither 8 nor 16.
+/// [`Error::Invalid`] if the bits are not 8, 16 or 32.
 pub fn store_codes(
     size: [u32; 2],
     code: impl Fn(usize) -> [f32; 3] + Sync,
@@ -134,7 +134,7 @@ pub fn store_codes(
 /// dithered, so opaque texels stay opaque.
 ///
 /// # Errors
-/// [`Error::Invalid`] if the bits are neither 8 nor 16.
+/// [`Error::Invalid`] if the bits are not 8, 16 or 32.
 pub fn store_rgba(
     size: [u32; 2],
     code: impl Fn(usize) -> [f32; 4] + Sync,
@@ -218,8 +218,9 @@ fn stored(
     let texels = match storage.bits {
         8 => Texels::U8(parallel::collect(count, |i| codes(i, 255.0).map(|c| c as u8))),
         16 => Texels::U16(parallel::collect(count, |i| codes(i, 65535.0))),
+        32 => Texels::F32(parallel::collect(count, number)),
         bits => {
-            return Err(Error::invalid(format!("{bits} bits per channel"), "use 8 or 16"));
+            return Err(Error::invalid(format!("{bits} bits per channel"), "use 8, 16 or 32"));
         }
     };
     Bitmap::new(width, height, channels, texels)

@@ -7,6 +7,7 @@
 
 mod close_up;
 mod distance;
+mod map_error;
 mod mismatch;
 mod overview;
 mod patch;
@@ -15,6 +16,7 @@ mod statistics;
 
 pub use close_up::{CloseUp, Footprint, SurfaceSample, edges};
 pub use distance::{DistanceBounds, Source, distance_bounds, hausdorff, root_mean_square};
+pub use map_error::{MapCheck, MapError, StoredMap};
 pub use mismatch::Mismatch;
 pub use overview::{
     ImageLook, Overview, Picture, PixelDifferences, Relook, Shown, overview, pixel_differences,

@@ -1,12 +1,16 @@
 //! The fraction of incident light that a surface reflects, by numerical integration: the white furnace.
 //!
 //! A surface that absorbs nothing cannot be distinguished from a uniform sky around it: its albedo is one at every
-//! angle. An albedo above one creates light; below, the model loses the light that it does not follow.
+//! angle. An albedo above one creates light; below, the model loses the light that it does not follow. The same integrals,
+//! for each term of the Fresnel factor, make the tables of [`super::dfg`].
 
+use super::fresnel::{lazanyi, pow5};
+use super::microfacets::{MIN_ALPHA, d_beckmann, d_ggx, g_v_cavity, v_smith_ggx};
+use super::sheen::{d_charlie, v_neubelt};
 use super::{Angles, MaterialSample, Shading, reflect};
 use crate::math::integration::nodes;
-use crate::math::{Vec3, scalar};
-use std::f64::consts::PI;
+use crate::math::{Lane, Vec3, scalar};
+use std::f64::consts::{FRAC_1_PI, PI};
 
 /// A sky of radiance one above the surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -67,7 +71,7 @@ pub fn over_hemisphere(fineness: usize, f: impl FnMut(Vec3<f64>) -> Vec3<f64>) -
 }
 
 /// Like [`over_hemisphere`], only to the polar angle `end` of cos φ, so that no step of f is between nodes.
-pub(super) fn over_part(
+fn over_part(
     fineness: usize,
     end: impl Fn(f64) -> f64,
     mut f: impl FnMut(Vec3<f64>) -> Vec3<f64>,
@@ -94,4 +98,69 @@ fn ladder() -> Vec<f64> {
     ends.extend((1..=15).rev().map(|i| 1.0 / f64::from(1u32 << i)));
     ends.extend([0.625, 0.75, 0.875, 1.0]);
     ends
+}
+
+/// The cosine from which a surface counts as seen edge-on.
+const LEAST_COSINE: f64 = 1e-4;
+
+/// Nodes in each interval of the polar angle.
+const FINENESS: usize = 10;
+
+/// The fields of [`super::dfg::Dfg`] for GGX: `scale`, `bias`, `edge`, `diffuse_edge`.
+pub fn dfg_of_ggx(n_dot_v: f64, roughness: f64) -> [f64; 4] {
+    let alpha = roughness * roughness;
+    numbers(n_dot_v, alpha, |a| d_ggx(a.n_dot_h, a.sin2_h, alpha) * v_smith_ggx(a.n_dot_l, a.n_dot_v, alpha))
+}
+
+/// Like [`dfg_of_ggx`], for Beckmann's distribution with V-shaped cavities.
+pub fn dfg_of_cook_torrance(n_dot_v: f64, slope: f64) -> [f64; 4] {
+    numbers(n_dot_v, slope, |a| {
+        let g = g_v_cavity(a.n_dot_l, a.n_dot_v, a.n_dot_h, a.v_dot_h);
+        d_beckmann(a.n_dot_h, a.sin2_h, slope) * g / (4.0 * a.n_dot_v * a.n_dot_l)
+    })
+}
+
+/// The directional albedo of white sheen.
+pub fn albedo_of_sheen(n_dot_v: f64, roughness: f64) -> f64 {
+    let (n, v) = directions(n_dot_v.max(LEAST_COSINE));
+    over_hemisphere(FINENESS, |l| {
+        let a = Angles::new(n, v, l);
+        let lobe = d_charlie(a.sin2_h, roughness) * v_neubelt(a.n_dot_l, a.n_dot_v);
+        Vec3::splat(lobe * a.n_dot_l)
+    })
+    .x
+}
+
+/// `width` is α or the slope; `lobe` returns D V.
+fn numbers(n_dot_v: f64, width: f64, lobe: impl Fn(&Angles<f64>) -> f64) -> [f64; 4] {
+    let n_dot_v = n_dot_v.max(LEAST_COSINE);
+    let (n, v) = directions(n_dot_v);
+    let diffuse = over_hemisphere(FINENESS, |l| {
+        let a = Angles::new(n, v, l);
+        Vec3::splat(pow5(1.0 - a.v_dot_h) * a.n_dot_l * FRAC_1_PI)
+    });
+    if width < MIN_ALPHA {
+        // A mirror.
+        let edge = pow5(1.0 - n_dot_v);
+        return [1.0 - edge, edge, lazanyi(n_dot_v), diffuse.x];
+    }
+    let horizon = |cos_phi: f64| PI / 4.0 + scalar::atan2(v.x * cos_phi, v.z) / 2.0;
+    let specular = over_part(FINENESS, horizon, |h| {
+        let v_dot_h = v.dot(h);
+        let a = Angles::new(n, v, h * (2.0 * v_dot_h) - v);
+        if a.n_dot_l <= 0.0 {
+            return Vec3::splat(0.0);
+        }
+        let share = lobe(&a) * a.n_dot_l * 4.0 * v_dot_h;
+        let edge = pow5(1.0 - a.v_dot_h);
+        Vec3::new(1.0 - edge, edge, lazanyi(a.v_dot_h)) * share
+    });
+    let Vec3 { x, y, z } = specular;
+    [x, y, z, diffuse.x]
+}
+
+/// The normal and a viewer.
+fn directions(n_dot_v: f64) -> (Vec3<f64>, Vec3<f64>) {
+    let sine = (1.0 - n_dot_v.squared()).max(0.0).sqrt();
+    (Vec3::new(0.0, 0.0, 1.0), Vec3::new(sine, 0.0, n_dot_v))
 }

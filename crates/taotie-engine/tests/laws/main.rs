@@ -20,6 +20,7 @@ mod facets;
 mod film;
 mod gradients;
 mod lane;
+mod map_errors;
 mod maps;
 mod noise;
 mod pixel_gradients;

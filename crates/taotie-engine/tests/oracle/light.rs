@@ -4,7 +4,8 @@
 use serde_json::Value;
 use taotie_engine::image::{Bitmap, Encoding, Texels, Texture};
 use taotie_engine::math::Vec3;
-use taotie_engine::shade::dfg::{self, Dfg, integrate};
+use taotie_engine::shade::dfg::{self, Dfg};
+use taotie_engine::shade::furnace;
 use taotie_engine::shade::microfacets::{alpha_squared_from_divergence_ggx, divergence_ggx};
 use taotie_engine::shade::sheen::{d_charlie, v_neubelt};
 use taotie_engine::shade::{Angles, AnisotropicLobe, coat_lobe, compensation, specular_occlusion};
@@ -69,12 +70,12 @@ fn directional_albedos_of_both_lobes() {
     let (mut exact, mut table) = (Worst::default(), Worst::default());
     for row in rows("ggx") {
         let (n_dot_v, roughness) = (number(&row, "n_dot_v"), number(&row, "roughness"));
-        see_parts(&mut exact, integrate::ggx(n_dot_v, roughness), &row);
+        see_parts(&mut exact, furnace::dfg_of_ggx(n_dot_v, roughness), &row);
         see_parts(&mut table, wide(dfg::of_ggx(n_dot_v as f32, roughness as f32)), &row);
     }
     for row in rows("cook_torrance") {
         let (n_dot_v, slope) = (number(&row, "n_dot_v"), number(&row, "slope"));
-        see_parts(&mut exact, integrate::cook_torrance(n_dot_v, slope), &row);
+        see_parts(&mut exact, furnace::dfg_of_cook_torrance(n_dot_v, slope), &row);
         see_parts(&mut table, wide(dfg::of_cook_torrance(n_dot_v as f32, slope as f32)), &row);
     }
     exact.at_most(1e-3, "quadrature of the lobes");
@@ -87,7 +88,7 @@ fn directional_albedo_of_sheen() {
     for row in rows("sheen") {
         let (n_dot_v, roughness) = (number(&row, "n_dot_v"), number(&row, "roughness"));
         let (truth, at) = (number(&row, "albedo"), || format!("n·v {n_dot_v}, roughness {roughness}"));
-        exact.see(integrate::sheen(n_dot_v, roughness), truth, at);
+        exact.see(furnace::albedo_of_sheen(n_dot_v, roughness), truth, at);
         table.see(f64::from(dfg::of_sheen(n_dot_v as f32, roughness as f32)), truth, at);
     }
     exact.at_most(1e-3, "quadrature of the sheen");

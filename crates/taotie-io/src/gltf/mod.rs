@@ -29,7 +29,7 @@ pub use statistics::{ContentSize, GltfSizes, ImageSize};
 
 use super::json::Json;
 use super::limits::Limits;
-use super::loaded::{Loaded, Mapping, Variants, checked};
+use super::loaded::{Loaded, Mapping, Objects, Variants, checked};
 use super::reading::Reading;
 use super::xmp;
 use document::Document;
@@ -154,13 +154,16 @@ impl Shapes {
         let placed =
             shown.shown_by.iter().zip(scene.instances.iter().map(|instance| &mesh_names[instance.mesh]));
         let of_node = |node: usize| document.root.nodes.get(node)?.name.clone();
-        let object_names =
-            placed.map(|(node, mesh)| node.and_then(of_node).unwrap_or_else(|| mesh.clone())).collect();
+        let object = |(i, (node, mesh)): (usize, (&Option<usize>, &String))| {
+            // Instances without a node are separate objects.
+            (node.ok_or(i), node.and_then(of_node).unwrap_or_else(|| mesh.clone()))
+        };
+        let objects = Objects::joined(placed.enumerate().map(object));
         let hung = Hung { shown, cameras: camera_nodes, lights: light_nodes };
         let rig = hung.rig(document, nodes, &mut warnings)?;
         Ok(Loaded {
             mesh_names,
-            object_names,
+            objects,
             texture_names,
             missing_files,
             rig,

@@ -17,7 +17,7 @@ pub(super) use materials::{Textures, neutral};
 pub(super) use mtl::Map;
 pub(super) use mtl::Mtl;
 
-use super::loaded::{Loaded, checked};
+use super::loaded::{Loaded, Objects, checked};
 use super::polygon::{Cutter, Outline};
 use super::reading::{Reading, find};
 use super::text::{quote, read_text};
@@ -79,7 +79,7 @@ fn assemble(reading: &Reading, obj: &Obj, parts: Vec<Part>, loaded: &mut Loaded)
         }
         place(&mut scene, mesh, material);
     }
-    loaded.object_names.clone_from(mesh_names);
+    loaded.objects = Objects::joined(mesh_names.iter().map(|name| (name.clone(), name.clone())));
     scene.textures = textures.list;
     loaded.texture_names = textures.names;
     loaded.files.append(&mut textures.files);

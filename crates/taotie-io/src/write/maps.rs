@@ -7,6 +7,7 @@ use std::path::Path;
 use taotie_engine::error::{Error, Result};
 use taotie_engine::image::{Bitmap, Encoding, Texels};
 use taotie_engine::names::Named;
+use tiff::encoder::{Compression, DeflateLevel, Predictor, TiffEncoder};
 
 /// A file format of maps without a model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,7 +22,7 @@ pub enum MapFormat {
     Tga,
     /// DDS with mip levels: BC5 for tangent-space normals, BC4 for one channel, BC7 for others; 8 bits.
     Dds,
-    /// TIFF with deflate compression, 8 or 16 bits.
+    /// TIFF with deflate compression, 8 or 16 bits, or floats.
     Tiff,
 }
 
@@ -49,8 +50,8 @@ impl MapFormat {
     pub fn bits(self) -> u8 {
         match self {
             Self::WebP | Self::Tga | Self::Dds => 8,
-            Self::Png | Self::Tiff => 16,
-            Self::Exr => 32,
+            Self::Png => 16,
+            Self::Exr | Self::Tiff => 32,
         }
     }
 }
@@ -75,6 +76,26 @@ pub fn encode_map(bitmap: &Bitmap, encoding: Encoding, format: MapFormat) -> Res
     }
 }
 
+/// Encodes floats as TIFF, row by row from the top, with 1, 3 or 4 channels.
+///
+/// # Errors
+/// [`Error::Invalid`] for another number of samples or channels.
+pub fn encode_tiff_floats((width, height): (u32, u32), channels: u8, samples: &[f32]) -> Result<Vec<u8>> {
+    use tiff::encoder::colortype::{Gray32Float, RGB32Float, RGBA32Float};
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    let encoder = TiffEncoder::new(&mut bytes).map(|encoder| encoder.with_compression(DEFLATE));
+    let encoded = encoder.and_then(|mut encoder| match channels {
+        1 => encoder.write_image::<Gray32Float>(width, height, samples),
+        3 => encoder.write_image::<RGB32Float>(width, height, samples),
+        _ => encoder.write_image::<RGBA32Float>(width, height, samples),
+    });
+    encoded.map_err(|error| Error::invalid("a TIFF", error.to_string()))?;
+    Ok(bytes.into_inner())
+}
+
+/// The compression of TIFF files.
+const DEFLATE: Compression = Compression::Deflate(DeflateLevel::Balanced);
+
 fn tga(bitmap: &Bitmap, texels: &[[u8; 4]]) -> Result<Vec<u8>> {
     let (color, channels) = match bitmap.channels() {
         1 => (image::ExtendedColorType::L8, 1),
@@ -90,13 +111,9 @@ fn tga(bitmap: &Bitmap, texels: &[[u8; 4]]) -> Result<Vec<u8>> {
 
 fn tiff(image: &PngImage) -> Result<Vec<u8>> {
     use tiff::encoder::colortype::{Gray8, Gray16, RGB8, RGB16, RGBA8, RGBA16};
-    use tiff::encoder::{Compression, DeflateLevel, Predictor, TiffEncoder};
     let mut bytes = std::io::Cursor::new(Vec::new());
-    let encoder = TiffEncoder::new(&mut bytes).map(|encoder| {
-        encoder
-            .with_compression(Compression::Deflate(DeflateLevel::Balanced))
-            .with_predictor(Predictor::Horizontal)
-    });
+    let encoder = TiffEncoder::new(&mut bytes)
+        .map(|encoder| encoder.with_compression(DEFLATE).with_predictor(Predictor::Horizontal));
     let (width, height) = (image.width, image.height);
     let encoded = encoder.and_then(|mut encoder| match (image.samples, image.color) {
         (PngSamples::U8(samples), PngColor::Grey) => encoder.write_image::<Gray8>(width, height, samples),

@@ -20,7 +20,7 @@ pub use gltf::{
     encode_scene_as, encode_webp_bitmap, gltf_files, gltf_sampler, join_levels, sampler_constants,
     write_gltf, write_scene,
 };
-pub use maps::{MapFormat, encode_map};
+pub use maps::{MapFormat, encode_map, encode_tiff_floats};
 pub use still_image::{
     ImageFormat, PngColor, PngImage, PngSamples, encode_png, encode_png_bitmap, write_image, write_png,
     write_png_bitmap,

@@ -1,12 +1,15 @@
 //! The tables that show where the errors of an asset are: its share of surface beyond limits, its worst parts, its
 //! materials, and its levels of detail.
 
+use crate::table::map_error_texts;
 use crate::{Cell, Column, Section};
+use std::path::Path;
 use taotie::asset::{
-    Beyond, Figures, LevelFigures, PartFigures, PartFlip, PartKind, ViewFigures, WorstParts,
+    Beyond, Figures, LevelFigures, PartFigures, PartFlip, PartKind, Report, ViewFigures, WorstParts,
 };
 use taotie_engine::compare::Summary;
 use taotie_engine::length::place_text;
+use taotie_engine::names::Named;
 use taotie_engine::proof::{Estimate, Exceedance, PatchQuantity, Region, WorstRegions};
 
 /// The limits to report: degrees, CIEDE2000 and per cent of the diagonal.
@@ -123,6 +126,28 @@ pub(super) fn materials(parts: &[PartFigures]) -> Option<Section> {
             .into(),
         columns: columns_of_normals(Column::words("material")),
         rows: parts.iter().map(|part| cells_of_normals(Cell::text(part.material.as_str()), part)).collect(),
+    })
+}
+
+/// Builds the table of the maps that no other figure covers; `None` if there are none.
+pub(super) fn maps(report: &Report) -> Option<Section> {
+    let mut rows = Vec::new();
+    for (note, error) in report.maps.iter().filter_map(|note| Some((note, note.error.as_ref()?))) {
+        let file = note.file.as_deref().and_then(Path::file_name).unwrap_or_default();
+        let words = [note.map.name(), note.material.as_deref().unwrap_or(""), &file.to_string_lossy()]
+            .map(Cell::text);
+        let numbers = map_error_texts(error, report.unit).map(Cell::text);
+        rows.push(words.into_iter().chain(numbers).collect());
+    }
+    let columns = ["map", "material", "file", "mean", "p95", "max"].map(Column::words).into();
+    (!rows.is_empty()).then(|| Section::Table {
+        title: "Errors of other maps".into(),
+        note: "Each map as its file stores it, at points spread over the low-poly mesh, compared with the scan straight along \
+               the normal of the triangle. Occlusion and thickness are integrated again, over other directions; positions, \
+               heights and displacements are off by the distance from the scan of the point that they state."
+            .into(),
+        columns,
+        rows,
     })
 }
 

@@ -13,7 +13,8 @@
 //! let options = taotie_report::bake_page::options(VerifyOptions::default(), true);
 //! let proof = written.verify(scan, &options, quiet)?;
 //! let certificate = Certificate::of_written(&written, &proof.figures, &options, &Signature::default())?;
-//! (report.proof, report.certificate) = (Some(proof.figures.clone()), Some(certificate));
+//! report.prove(proof.figures.clone(), proof.maps.clone());
+//! report.certificate = Some(certificate);
 //! let page = taotie_report::bake_page::page(&report, &proof, Some(written.asset()))?;
 //! taotie_io::write_text(Path::new("scan.report.html"), &taotie_report::html(&page))?;
 //! # Ok::<(), Error>(())
@@ -33,6 +34,9 @@ use certificate::Judge;
 use std::path::Path;
 use taotie::asset::{Asset, Proof, Report, VerifyOptions};
 use taotie::{Limits, Warning};
+use taotie_engine::bake::RayPreview;
+use taotie_engine::length::Unit;
+use taotie_engine::math::Vec3;
 use taotie_engine::{Result, Warnings};
 
 /// The side of the pictures of the worst patches, pixels.
@@ -116,13 +120,28 @@ fn with_tone(warnings: Vec<&Warning>, tone: Tone) -> impl Iterator<Item = (&Warn
 }
 
 /// Writes the page for a bake as one HTML document whose first view is the asset at `path`, drawn by the shaders of
-/// Taotie and with its normal error. If it cannot be shown, the page omits it and a warning gives the reason.
-pub fn html_with_asset(page: &Page, proof: &Proof, path: &Path) -> (String, Warnings) {
+/// Taotie, with its normal error and, if it was baked here as `asset`, some projection rays. If it cannot be shown, the page
+/// omits it and a warning gives the reason.
+pub fn html_with_asset(
+    page: &Page,
+    (proof, asset): (&Proof, Option<&Asset>),
+    path: &Path,
+) -> (String, Warnings) {
+    let rays = asset.map(|asset| {
+        // A model with a known unit is in metres.
+        let scale = asset.unit().map_or(1.0, Unit::metres) as f32;
+        let scaled =
+            |rays: Vec<[Vec3; 2]>| rays.into_iter().map(|ends| ends.map(|end| end * scale)).collect();
+        let RayPreview { met, missed } = asset.rays();
+        RayPreview { met: scaled(met), missed: scaled(missed) }
+    });
+
     let subject = AssetSubject {
         path,
         title: &path.file_name().unwrap_or_default().to_string_lossy(),
         limits: &Limits::default(),
         errors: MeasuredErrors::of(proof),
+        rays: rays.as_ref().filter(|rays| !rays.met.is_empty()),
     };
     match subject.page(&|viewer| viewer.within(page)) {
         Ok(written) => written,

@@ -28,6 +28,7 @@ pub fn sections(report: &Report, (proof, flips): (&Figures, &[PartFlip])) -> Vec
         sections.push(views(finest));
     }
     sections.extend(breakdown::levels(&proof.levels));
+    sections.extend(breakdown::maps(report));
     sections.extend(report.bake.as_ref().map(|bake| rays(report, bake)));
     sections.extend(report.noise.as_ref().map(|noise| scanner_noise(noise, proof.unit)));
     if !report.stages.is_empty() {

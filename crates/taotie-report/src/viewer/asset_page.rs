@@ -6,6 +6,7 @@ use std::path::Path;
 use taotie::Limits;
 use taotie::asset::model_unit;
 use taotie::studio::{self, CameraOptions, Framing, LightOptions, MaterialOptions, Viewpoint};
+use taotie_engine::bake::RayPreview;
 use taotie_engine::film::Development;
 use taotie_engine::image::Texture;
 use taotie_engine::length::Unit;
@@ -31,6 +32,8 @@ pub struct AssetSubject<'a> {
     pub limits: &'a Limits,
     /// Its errors, if known.
     pub errors: Option<MeasuredErrors<'a>>,
+    /// Projection rays of its bake, in the space of the file.
+    pub rays: Option<&'a RayPreview>,
 }
 
 /// Returns the maximum size of a page for an asset of `bytes`: the asset in base64, and 3 MB for everything else.
@@ -82,6 +85,7 @@ impl AssetSubject<'_> {
             development: &Development::default(),
             scan: None,
             errors: self.errors,
+            rays: self.rays,
         })
     }
 }

@@ -8,6 +8,7 @@ use super::surfaces::{Drawing, FrameLayout, Shaders, SurfaceData, Texts, method_
 use super::views::{Bookmark, Orbit, Outline};
 use crate::Fact;
 use serde::Serialize;
+use taotie_engine::bake::RayPreview;
 use taotie_engine::film::Development;
 use taotie_engine::length::Unit;
 use taotie_engine::names::Named;
@@ -44,6 +45,8 @@ pub struct Subject<'a> {
     pub scan: Option<ScanSubject<'a>>,
     /// The model's errors, if already known; ignored if `scan` is present.
     pub errors: Option<MeasuredErrors<'a>>,
+    /// Projection rays of the model's bake.
+    pub rays: Option<&'a RayPreview>,
 }
 
 /// The data of a page, as declared in `viewer/src/data.ts`.
@@ -69,6 +72,8 @@ pub(super) struct Data<'a> {
     /// The asset, and the scan if it is published.
     models: Vec<Model>,
     errors: Option<Errors>,
+    /// The number of projection rays that found the scan; those that did not follow in the blob `rays`.
+    rays: Option<usize>,
 }
 
 /// A model on the page.
@@ -164,6 +169,7 @@ pub(super) fn data<'a>(subject: &Subject<'a>, warnings: &mut Warnings) -> Result
     let numbers = tables();
     let bytes = numbers.as_flattened().iter().flat_map(|number| number.to_le_bytes()).collect();
     blobs.push(Blob::new("albedo_tables", bytes));
+    blobs.extend(subject.rays.map(rays));
     let bounds = prepared.scene().bounds();
     let data = Data {
         version: env!("CARGO_PKG_VERSION"),
@@ -183,8 +189,15 @@ pub(super) fn data<'a>(subject: &Subject<'a>, warnings: &mut Warnings) -> Result
         texts: shaders.texts(),
         models: all,
         errors: measured,
+        rays: subject.rays.map(|rays| rays.met.len()),
     };
     Ok((data, blobs))
+}
+
+/// Returns the ends of rays, six numbers each.
+fn rays(rays: &RayPreview) -> Blob {
+    let numbers = rays.met.iter().chain(&rays.missed).flatten().flat_map(|end| end.to_array());
+    Blob::new("rays", numbers.flat_map(f32::to_le_bytes).collect())
 }
 
 fn film(subject: &Subject<'_>) -> Film {

@@ -3,7 +3,7 @@
 use super::ask::{BakeOptions, Packing, note_unread_options};
 use super::bake::{
     Asset, BakePlan, Coarser, LevelLook, Made, MadeAsset, MemoryEstimate, Part, Recipe, Rounding, StoredMaps,
-    Trial, bake_maps, judgement, side_shortfall,
+    Trial, bake_maps, judgement, set_sizes, side_shortfall,
 };
 use super::search::{Finest, Level, PackedAsset, Smallest, make_levels, smallest};
 use super::source::{
@@ -345,14 +345,15 @@ fn lightened(
             vec![low]
         }
     };
-    let size = options.map_size();
-    let part = |low: LowPoly| -> Result<Part> {
+    let sizes = set_sizes(options, &lows)?;
+    let part = |(low, size): (LowPoly, [u32; 2])| -> Result<Part> {
         let baked = bake_maps(recipe, size, Pair { scan, low: &low }, progress);
         let maps =
             baked.map_err(|error| if low.label().is_empty() { error } else { error.within(low.label()) });
         Ok(Part { maps: maps?, low })
     };
-    let parts = lows.into_iter().map(part).collect::<Result<Vec<_>>>()?;
+    let size = sizes.iter().copied().max_by_key(|[width, height]| width * height).unwrap_or_default();
+    let parts = lows.into_iter().zip(sizes).map(part).collect::<Result<Vec<_>>>()?;
     Ok(Lightened { parts, size, trials: Vec::new(), rounding: None, packed: None })
 }
 

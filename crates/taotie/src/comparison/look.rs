@@ -3,7 +3,7 @@
 //!
 //! A low-poly mesh deviates from the high-poly one, so at the same pixel the two show different points of the relief.
 
-use taotie_engine::bake::{ProjectionRay, Scan, UvLookup};
+use taotie_engine::bake::{ProjectionRay, Scan, Target, UvLookup};
 use taotie_engine::error::Result;
 use taotie_engine::image::Image;
 use taotie_engine::math::{Vec2, Vec3};
@@ -191,7 +191,8 @@ impl Matching {
                     let [x, y, z, _] = smooth.normals.pixel(at[0], at[1]);
                     let point = smooth.camera.point_at(at, depth.into(), size).to_f32();
                     let direction = Vec3::new(x, y, z);
-                    let projection = ProjectionRay { point, direction, distance, among: None };
+                    let projection =
+                        ProjectionRay { point, direction, distance, among: None, target: Target::OnRay };
                     scan.project(&projection).map(|found| scan.mapped_normal(&found, 0.0).normal)
                 })
             }

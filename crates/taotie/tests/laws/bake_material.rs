@@ -5,8 +5,8 @@ use crate::bake_scan::shown;
 use std::ops::Range;
 use taotie_engine::Progress;
 use taotie_engine::bake::{
-    BakeInput, BakeSettings, BakedMaps, Cage, LookupPoint, MapKind, Plane, ProjectionRay, Scan, TexturedMesh,
-    UvLookup, Verifier, bake, low_poly_mesh,
+    BakeInput, BakeSettings, BakedMaps, Cage, LookupPoint, MapKind, Plane, ProjectionRay, Scan, Target,
+    TexturedMesh, UvLookup, Verifier, bake, low_poly_mesh,
 };
 use taotie_engine::compare::angle_deg;
 use taotie_engine::image::{Bitmap, Encoding, Sampler, Texels, Texture, Wrap};
@@ -202,7 +202,16 @@ fn a_scan_without_maps_keeps_its_normals_to_the_bit() {
     let scan = Scan::new(Scene::of_mesh(Mesh::sphere(1.0, 24, 12), Material::default()).unwrap()).unwrap();
     let from = Vec3::new(0.2, 0.3, 0.93);
     let found = scan
-        .closest(&ProjectionRay { point: from, direction: from.normalize(), distance: 0.0, among: None }, 0.5)
+        .closest(
+            &ProjectionRay {
+                point: from,
+                direction: from.normalize(),
+                distance: 0.0,
+                among: None,
+                target: Target::OnRay,
+            },
+            0.5,
+        )
         .unwrap();
     for width in [0.0, 0.1] {
         let mapped = scan.mapped_normal(&found, width);

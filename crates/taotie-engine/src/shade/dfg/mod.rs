@@ -3,9 +3,8 @@
 //! The fraction of light that a lobe reflects depends only on n·v and the roughness, apart from the Fresnel factor,
 //! which is linear in the colours at normal and at grazing incidence and in the F82 term. So one table of four
 //! numbers per lobe is the second factor of the split sum, determines how much light single scattering loses, and how
-//! much remains for the layer below. `cargo run -p xtask -- tables` computes the tables with [`integrate`].
-
-pub mod integrate;
+//! much remains for the layer below. `cargo run -p xtask -- tables` computes the tables with
+//! [`super::furnace`].
 
 mod albedos;
 

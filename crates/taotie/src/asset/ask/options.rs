@@ -6,7 +6,7 @@ use super::lod::Lod;
 use super::requirement::{self, Requirement};
 use std::path::PathBuf;
 use std::sync::Arc;
-use taotie_engine::bake::{MapContent, MapKind};
+use taotie_engine::bake::{MapContent, MapKind, MatchRule, SetSizes};
 use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::mesh::Mesh;
 use taotie_engine::scene::{GreenChannel, NormalSpace};
@@ -122,6 +122,8 @@ pub struct BakeOptions {
     pub size: u32,
     /// Texels down the maps; `None` for a square. Only for `low` with uvs: generated atlases are square.
     pub height: Option<u32>,
+    /// The sizes of the maps of several materials.
+    pub sizes: SetSizes,
     /// The maps to bake.
     pub maps: Vec<MapKind>,
     /// `true` if maps of all other varying properties of the scan's materials are baked too: base colour, alpha,
@@ -132,7 +134,8 @@ pub struct BakeOptions {
     pub space: NormalSpace,
     /// Samples per texel along each side, 1 to 8: 2 means four per texel.
     pub side: u32,
-    /// Bits per channel of normal maps, 8 or 16; 8-bit maps are dithered if they would show banding.
+    /// Bits per channel of normal maps, 8 or 16; 8-bit maps are dithered if they would show banding. 32, for standalone
+    /// maps as OpenEXR or TIFF, stores all maps as floats.
     pub bits: u8,
     /// The number of texels by which UV islands are dilated beyond their borders, at most 16384; `None` fills the
     /// map.
@@ -145,9 +148,9 @@ pub struct BakeOptions {
     pub roughness: Option<f64>,
     /// The radius of rounded edges for the bevel map, model units; `None` for 1 % of the scan's diagonal.
     pub bevel_radius: Option<f64>,
-    /// `true` if objects of `low` named `X_low` show only objects of the scan named `X_high`, with any X. Other objects
-    /// show whatever is nearest.
-    pub by_name: bool,
+    /// How points of `low` find those of the scan that they show.
+    #[serde(rename = "match")]
+    pub matching: MatchRule,
     /// `true` if uvs and materials of `low` are ignored: it is unwrapped, and gets the scan's materials.
     pub new_uvs: bool,
     /// `true` if the uvs of `low` are on UDIM tiles, each of which gets its own maps. For standalone maps, whose path
@@ -187,6 +190,7 @@ impl Default for BakeOptions {
             keep_uvs: false,
             size: 2048,
             height: None,
+            sizes: SetSizes::Same,
             maps: vec![MapKind::Normal],
             carry: true,
             space: NormalSpace::Tangent,
@@ -197,7 +201,7 @@ impl Default for BakeOptions {
             ao_distance: None,
             roughness: None,
             bevel_radius: None,
-            by_name: true,
+            matching: MatchRule::ByName,
             new_uvs: false,
             udim: false,
             ray_distance: RayDistance::Auto,
@@ -292,9 +296,16 @@ impl BakeOptions {
             Self { side: n, .. } if !(1..=8).contains(n) => {
                 wrong(format!("{n}×{n} samples per texel"), "use 1 to 8 along each side")
             }
-            Self { bits, .. } if ![8, 16].contains(bits) => {
-                wrong(format!("{bits} bits per channel"), "normals are stored in 8 or 16")
+            Self { bits: 32, keep_uvs: false, .. } => {
+                wrong("32 bits per channel".into(), "no model format stores them; write standalone maps")
             }
+            Self { bits, .. } if ![8, 16, 32].contains(bits) => {
+                wrong(format!("{bits} bits per channel"), "use 8 or 16, or 32 for standalone maps")
+            }
+            Self { matching: MatchRule::Uv, .. } if self.new_uvs || self.udim => wrong(
+                "matching by uvs".into(),
+                "it needs those of the low-poly mesh, in one tile; omit new uvs and UDIM tiles",
+            ),
             Self { dilation: Some(n), .. } if *n > MOST_DILATION => {
                 wrong(format!("a dilation of {n} texels"), "use at most 16384, the side of the largest map")
             }
@@ -316,7 +327,12 @@ impl BakeOptions {
 
     /// Returns `true` if an option concerns a given low-poly mesh.
     fn names_low(&self) -> bool {
-        self.new_uvs || self.ray_colors || self.skew_mask.is_some()
+        let matches_uvs = self.matching == MatchRule::Uv;
+        self.new_uvs
+            || self.ray_colors
+            || self.skew_mask.is_some()
+            || matches_uvs
+            || self.sizes != SetSizes::Same
     }
 
     fn check_levels(&self) -> Result<()> {
@@ -542,6 +558,9 @@ mod tests {
             (BakeOptions { keep_uvs: true, ..base() }, "standalone maps: no file would store generated uvs"),
             (BakeOptions { side: 9, ..base() }, "1 to 8"),
             (BakeOptions { bits: 12, ..base() }, "8 or 16"),
+            (BakeOptions { bits: 32, ..base() }, "standalone maps"),
+            (BakeOptions { matching: MatchRule::Uv, ..base() }, "there is none"),
+            (BakeOptions { sizes: SetSizes::Even, ..base() }, "there is none"),
             (BakeOptions { dilation: Some(1 << 31), ..base() }, "at most 16384"),
             (BakeOptions { ao_rays: 0, ..base() }, "1 to 4096"),
             (BakeOptions { ao_distance: Some(f64::NAN), ..base() }, "above 0"),

@@ -7,8 +7,9 @@ use crate::asset::ask::{BakeOptions, Packing};
 use crate::asset::source::{About, Document, LowPoly, Origin, Property, ScanNoise};
 use std::path::PathBuf;
 use std::sync::Arc;
-use taotie_engine::bake::BakeCounts;
+use taotie_engine::bake::{BakeCounts, RayPreview};
 use taotie_engine::error::Warnings;
+use taotie_engine::length::Unit;
 use taotie_engine::mesh::Mesh;
 use taotie_engine::scene::AlphaMode;
 use taotie_io::{CodecSet, GltfFormat, ImageCodec, TextureCodecs, VertexBits};
@@ -54,6 +55,16 @@ impl Asset {
     pub fn counts(&self) -> BakeCounts {
         let counts = self.made.parts.iter().map(|part| part.maps.counts);
         counts.fold(BakeCounts::default(), BakeCounts::and)
+    }
+
+    /// Returns some projection rays of the finest level, in the space of the scan.
+    pub fn rays(&self) -> RayPreview {
+        self.made.parts.iter().fold(RayPreview::default(), |all, part| all.and(&part.maps.rays))
+    }
+
+    /// Returns the unit of the scan's coordinates; `None` if it is unknown.
+    pub fn unit(&self) -> Option<Unit> {
+        self.made.about.unit()
     }
 
     /// Returns the origin of the low-poly mesh.

@@ -6,8 +6,8 @@ use crate::asset::source::{KeptTextures, LowPoly, Metalness, Pair, Rays, Scan};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use taotie_engine::bake::{
-    self, BakeCounts, BakeInput, BakeSettings, Baked, BakedMaps, Cage, MapContent, MapKind, Maps, Plane,
-    TexelStatus,
+    self, BakeCounts, BakeInput, BakeSettings, Baked, BakedMaps, Cage, MapContent, MapKind, Maps, MatchRule,
+    Plane, RayPreview, TexelStatus,
 };
 use taotie_engine::error::Result;
 use taotie_engine::image::{Bitmap, Sampler, Texture};
@@ -28,15 +28,28 @@ pub(in crate::asset) struct StoredMaps {
     pub counts: BakeCounts,
     /// The cage from which the scan was searched for.
     pub cage: Cage,
+    /// Some of its rays, to look at.
+    pub rays: RayPreview,
+    /// Texels across and down.
+    pub size: [u32; 2],
 }
 
 impl StoredMaps {
     /// Returns no maps, with the cage of a mesh without any.
     pub fn none(Pair { scan, low }: Pair<'_>) -> Self {
         let cage = Cage::automatic(&low.shape(), scan.sorted());
-        Self { textures: Textures::default(), counts: BakeCounts::default(), cage }
+        Self {
+            textures: Textures::default(),
+            counts: BakeCounts::default(),
+            cage,
+            rays: RayPreview::default(),
+            size: [0; 2],
+        }
     }
 }
+
+/// The number of rays of each mesh to look at.
+const SHOWN_RAYS: usize = 2_000;
 
 /// The options of a bake, with the cage that they name.
 #[derive(Clone, Copy)]
@@ -65,6 +78,7 @@ pub(in crate::asset) fn bake_maps(
         sky_distance: options.ao_distance.map(|distance| distance as f32),
         roughness: options.roughness.map(|v| v as f32),
         bevel_radius: options.bevel_radius.map(|v| v as f32),
+        isolated: options.matching == MatchRule::Isolated,
         dilation: options.dilation,
     };
     let input = BakeInput { low: &low.mesh, cage: &cage, scan: scan.sorted() };
@@ -72,7 +86,8 @@ pub(in crate::asset) fn bake_maps(
     refuse_no_hit(pair, &cage, &counts)?;
     progress.begin("store")?;
     let textures = Textures::new(&maps, options, pair)?;
-    Ok(StoredMaps { textures, counts, cage })
+    let rays = RayPreview::of(&low.mesh, &cage, (scan.sorted(), SHOWN_RAYS));
+    Ok(StoredMaps { textures, counts, cage, rays, size })
 }
 
 /// Baked maps, encoded for storage.
@@ -130,16 +145,16 @@ impl Textures {
             textures.normal = Some(store_codes(maps.size(), code, 3, separate.storage(normals))?);
         }
         if maps.has(Plane::Albedo) {
-            textures.color = Some(color(maps)?);
+            textures.color = Some(color(maps, options)?);
         }
         if maps.has(Plane::Emission) {
             textures.strength = strength(maps);
-            textures.emission = Some(emission(maps, textures.strength)?);
+            textures.emission = Some(emission(maps, (textures.strength, options))?);
         }
         textures.has =
             MapPresence { occlusion: maps.has(Plane::Occlusion), roughness: maps.has(Plane::Roughness) };
         if textures.has != MapPresence::default() {
-            textures.orm = Some(orm(maps, low)?);
+            textures.orm = Some(orm(maps, (low, options))?);
         }
         textures.separate = separate.all()?;
         Ok(textures)
@@ -220,16 +235,17 @@ fn stored(options: &BakeOptions) -> Maps {
     options.maps.iter().copied().filter(|map| !(rays && *map == MapKind::OcclusionMap)).collect()
 }
 
-fn color(maps: &BakedMaps) -> Result<Bitmap> {
+fn color(maps: &BakedMaps, options: &BakeOptions) -> Result<Bitmap> {
+    let storage = or_floats(DITHERED, options);
     let codes = |i: usize| maps.vectors(Plane::Albedo)[i].map(srgb_code);
     if !maps.has(Plane::Alpha) {
-        return store_codes(maps.size(), codes, 3, DITHERED);
+        return store_codes(maps.size(), codes, 3, storage);
     }
     let with_alpha = |i: usize| {
         let [r, g, b] = codes(i);
         [r, g, b, maps.numbers(Plane::Alpha)[i]]
     };
-    store_rgba(maps.size(), with_alpha, DITHERED)
+    store_rgba(maps.size(), with_alpha, storage)
 }
 
 /// Returns the maximum radiance of any channel over texels covered by a triangle, at least 1.
@@ -242,27 +258,28 @@ fn strength(maps: &BakedMaps) -> f32 {
     covered.flat_map(|(_, radiance)| radiance).fold(1.0, |most: f32, v| most.max(*v))
 }
 
-fn emission(maps: &BakedMaps, strength: f32) -> Result<Bitmap> {
+fn emission(maps: &BakedMaps, (strength, options): (f32, &BakeOptions)) -> Result<Bitmap> {
     let codes = |i: usize| maps.vectors(Plane::Emission)[i].map(|v| srgb_code(v / strength));
-    store_codes(maps.size(), codes, 3, DITHERED)
+    store_codes(maps.size(), codes, 3, or_floats(DITHERED, options))
 }
 
-fn orm(maps: &BakedMaps, low: &LowPoly) -> Result<Bitmap> {
+fn orm(maps: &BakedMaps, (low, options): (&LowPoly, &BakeOptions)) -> Result<Bitmap> {
+    let storage = or_floats(DITHERED, options);
     let occlusion = |i: usize| maps.numbers(Plane::Occlusion).get(i).copied().unwrap_or(1.0);
     if !maps.has(Plane::Roughness) {
-        return store_codes(maps.size(), |i| [occlusion(i); 3], 1, DITHERED);
+        return store_codes(maps.size(), |i| [occlusion(i); 3], 1, storage);
     }
     if maps.has(Plane::Metallic) {
         let codes =
             |i: usize| [occlusion(i), maps.numbers(Plane::Roughness)[i], maps.numbers(Plane::Metallic)[i]];
-        return store_codes(maps.size(), codes, 3, DITHERED);
+        return store_codes(maps.size(), codes, 3, storage);
     }
     let metalness = Metalness::of(&low.material, &low.kept, maps.size());
     store_codes(
         maps.size(),
         |i| [occlusion(i), maps.numbers(Plane::Roughness)[i], metalness.at(i)],
         3,
-        DITHERED,
+        storage,
     )
 }
 
@@ -394,8 +411,16 @@ impl Separate<'_> {
         let of = |bitmap| SeparateMap::plain(map, bitmap);
         Ok(match map.content() {
             MapContent::Direction => of(store_unit_vectors(size, vectors, self.storage(vectors))?),
-            MapContent::Color => of(store_codes(size, |i| vectors[i].map(srgb_code), 3, DITHERED)?),
-            MapContent::Fraction => of(store_codes(size, |i| [self.maps.numbers(plane)[i]; 3], 1, DITHERED)?),
+            MapContent::Color => {
+                of(store_codes(size, |i| vectors[i].map(srgb_code), 3, or_floats(DITHERED, self.options))?)
+            }
+            MapContent::Fraction if map == MapKind::Gradient => of(self.gradient()?),
+            MapContent::Fraction => of(store_codes(
+                size,
+                |i| [self.maps.numbers(plane)[i]; 3],
+                1,
+                or_floats(DITHERED, self.options),
+            )?),
             MapContent::Label => {
                 let codes =
                     |i: usize| label_color(self.maps.numbers(plane)[i] as u32).map(|v| f32::from(v) / 255.0);
@@ -423,12 +448,24 @@ impl Separate<'_> {
         let (maps, plane) = (self.maps, map.planes()[0]);
         let [black, white] = range(map, maps);
         let numbers = maps.numbers(plane);
-        let number = |i: usize| [(numbers[i] - black) / (white - black); 3];
-        let bitmap = store_codes(maps.size(), number, 1, FINE)?;
+        let number = |i: usize| [(map.of_curvature(numbers[i]) - black) / (white - black); 3];
+        let bitmap = store_codes(maps.size(), number, 1, or_floats(FINE, self.options))?;
         let [length, curvature] = units(self.scan.unit());
-        let unit = if map == MapKind::Curvature { curvature } else { length };
+        let unit = if plane == Plane::Curvature { curvature } else { length };
         let range = Range { black: f64::from(black), white: f64::from(white), unit };
         Ok(SeparateMap { range: Some(range), ..SeparateMap::plain(map, bitmap) })
+    }
+
+    /// Creates a 16-bit map of heights between the lowest and the highest point of the scan.
+    fn gradient(&self) -> Result<Bitmap> {
+        let extent = self.scan.mesh().vertical_extent();
+        let positions = self.maps.vectors(Plane::Position);
+        store_codes(
+            self.maps.size(),
+            |i| [MapKind::gradient(positions[i][1], extent); 3],
+            1,
+            or_floats(FINE, self.options),
+        )
     }
 
     /// Creates a 16-bit map of positions relative to the centre of the scan.
@@ -469,7 +506,7 @@ impl Separate<'_> {
         let code = |i: usize| {
             std::array::from_fn(|k| (0.5 + (f64::from(vectors[i][k]) - center[k]) / (2.0 * half)) as f32)
         };
-        let bitmap = store_codes(self.maps.size(), code, 3, FINE)?;
+        let bitmap = store_codes(self.maps.size(), code, 3, or_floats(FINE, self.options))?;
         let [unit, _] = units(self.scan.unit());
         let range = Some(Range { black: -half, white: half, unit });
         Ok(SeparateMap { range, ..SeparateMap::plain(map, bitmap) })
@@ -480,7 +517,7 @@ impl Separate<'_> {
     fn legend(&self, map: MapKind) -> BTreeMap<String, String> {
         let (kind, names) = match map {
             MapKind::MaterialId => ("material", self.scan.surface().material_names()),
-            _ => ("object", self.scan.about.objects.clone()),
+            _ => ("object", self.scan.about.objects.names.clone()),
         };
         let mut legend = BTreeMap::new();
         let numbers: BTreeSet<u32> =
@@ -499,10 +536,15 @@ impl Separate<'_> {
 /// Numbers in 16 bits.
 const FINE: Storage = Storage { bits: 16, dither: false };
 
+/// Returns the storage of numbers and colours if floats are requested, else the usual one.
+fn or_floats(usual: Storage, options: &BakeOptions) -> Storage {
+    if options.bits == 32 { Storage { bits: 32, dither: false } } else { usual }
+}
+
 /// Returns the colour of the thing with this number, sRGB codes: bright, and far from those of its neighbours.
 ///
 /// Source: Roberts 2018, "The unreasonable effectiveness of quasirandom sequences", R3, in integers.
-fn label_color(number: u32) -> [u8; 3] {
+pub(in crate::asset) fn label_color(number: u32) -> [u8; 3] {
     /// 2³² over powers of the root of x⁴ = x + 1.
     const STEPS: [u32; 3] = [3_518_319_155, 2_882_110_345, 2_360_945_575];
     const DARKEST: u64 = 48;
@@ -535,10 +577,10 @@ fn range(map: MapKind, maps: &BakedMaps) -> [f32; 2] {
     covered.sort_unstable_by(f32::total_cmp);
     let (Some(least), Some(most)) = (covered.first(), covered.last()) else { return [0.0, 1.0] };
     let [low, high] = match map {
-        MapKind::Curvature => {
+        MapKind::Curvature | MapKind::Convexity | MapKind::Concavity => {
             let rank = |part: f64| covered[((covered.len() - 1) as f64 * part) as usize].abs();
             let most = rank(0.005).max(rank(0.995));
-            [-most, most]
+            [if map == MapKind::Curvature { -most } else { 0.0 }, most]
         }
         _ => [*least, *most],
     };

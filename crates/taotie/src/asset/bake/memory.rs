@@ -68,6 +68,7 @@ impl MemoryEstimate {
         let options = &options.sized(scan);
         let wanted = maps(options, scan.carries);
         let maps = wanted.iter().count() as u64;
+        let size = options.map_size().map(|side| options.sizes.largest(side));
         Self {
             scan,
             is_sorted: false,
@@ -76,9 +77,9 @@ impl MemoryEstimate {
             remeshes: options.remesh,
             inspects: options.inspect,
             noise: options.noise,
-            texels: options.map_size().map(u64::from).iter().product(),
+            texels: size.map(u64::from).iter().product(),
             texel_bytes: texel_bytes(options, scan.carries),
-            band_bytes: bytes_of_bands(options.map_size(), options.side, wanted),
+            band_bytes: bytes_of_bands(size, options.side, wanted),
             stored_bytes: wanted.iter().map(|map| codes(options, map)).sum(),
             maps,
             materials: 1,
@@ -279,7 +280,7 @@ fn texel_bytes(options: &BakeOptions, carries: Maps) -> u64 {
 
 /// The bytes per texel of a stored map: numbers with a unit have 16 bits.
 fn codes(options: &BakeOptions, map: MapKind) -> u64 {
-    let bits = if map.content() == MapContent::Length { 16 } else { options.bits };
+    let bits = if map.content() == MapContent::Length { options.bits.max(16) } else { options.bits };
     4 * u64::from(bits / 8)
 }
 

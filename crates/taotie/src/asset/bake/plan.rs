@@ -2,9 +2,12 @@
 //! factor of the asset, or nowhere, which is reported.
 
 use crate::asset::ask::BakeOptions;
-use crate::asset::source::{Carried, Found, LowLook, Property, ScanSize};
-use taotie_engine::bake::MapKind;
-use taotie_engine::error::Warnings;
+use crate::asset::source::{Carried, Found, LowLook, LowPoly, Property, ScanSize};
+use std::collections::BTreeSet;
+use taotie_engine::bake::{MapKind, SetSizes};
+use taotie_engine::error::{Error, Result, Warnings};
+use taotie_engine::math::Vec3;
+use taotie_engine::mesh::Mesh;
 use taotie_engine::names::Named;
 use taotie_engine::scene::Material;
 
@@ -168,6 +171,50 @@ impl BakeOptions {
         let size = if self.size == Self::AUTO_SIZE { chosen_side(scan.detail_side) } else { self.size };
         Self { size, ..self.clone() }
     }
+}
+
+/// Returns the size of the maps of each low-poly mesh.
+///
+/// # Errors
+/// [`Error::Invalid`] if a size has the name of no material.
+pub(in crate::asset) fn set_sizes(options: &BakeOptions, lows: &[LowPoly]) -> Result<Vec<[u32; 2]>> {
+    let usual = options.map_size();
+    match &options.sizes {
+        SetSizes::Same => Ok(vec![usual; lows.len()]),
+        SetSizes::Even => {
+            let widths: Vec<f64> = lows.iter().map(|low| width_of_map(&low.mesh)).collect();
+            let widest = widths.iter().fold(0.0, |most: f64, width| most.max(*width));
+            let side = |side: u32, width: f64| (f64::from(side) * width / widest / 4.0).round() as u32 * 4;
+            let size = |width: &f64| usual.map(|usual| side(usual, *width).clamp(16, usual));
+            Ok(widths.iter().map(size).collect())
+        }
+        SetSizes::Named(sizes) => {
+            let names: BTreeSet<&str> = lows.iter().map(LowPoly::file_label).collect();
+            if let Some(name) = sizes.keys().find(|name| !names.contains(name.as_str())) {
+                let names: Vec<&str> = names.into_iter().filter(|name| !name.is_empty()).collect();
+                let why = match names.is_empty() {
+                    true => "the low-poly mesh has one set of maps; set the size of the bake".to_owned(),
+                    false => format!("the low-poly mesh has no such material; it has {}", names.join(", ")),
+                };
+                return Err(Error::invalid(format!("the size of {name}"), why));
+            }
+            let size = |low: &LowPoly| sizes.get(low.file_label()).map_or(usual, |side| [*side; 2]);
+            Ok(lows.iter().map(size).collect())
+        }
+    }
+}
+
+/// Returns the width on the surface, in model units, of a map on the first uvs of a mesh, on average.
+fn width_of_map(mesh: &Mesh) -> f64 {
+    let Some(uvs) = mesh.uvs().first() else { return 0.0 };
+    let (mut surface, mut map) = (0.0, 0.0);
+    for (t, corners) in mesh.triangles().iter().enumerate() {
+        let [a, b, c] = mesh.corners(t).map(Vec3::to_f64);
+        surface += (b - a).cross(c - a).length();
+        let [a, b, c] = corners.map(|v| uvs[v as usize]);
+        map += f64::from((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)).abs();
+    }
+    if map > 0.0 { (surface / map).sqrt() } else { 0.0 }
 }
 
 /// The range of automatically chosen sides.

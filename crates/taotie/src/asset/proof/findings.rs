@@ -7,7 +7,7 @@ use super::shown::ShownLevel;
 use crate::asset::ask::{Figure, Requirement};
 use crate::asset::bake::{INSIDE_OUT, percent, useless_map};
 use crate::asset::source::{Property, is_plain, used_materials};
-use taotie_engine::bake::MapKind;
+use crate::asset::write::MapNote;
 use taotie_engine::error::Warnings;
 use taotie_engine::length::{Unit, place_text, texel_text};
 use taotie_engine::names::Named;
@@ -293,7 +293,7 @@ pub(super) fn unseen([scan, asset]: [&Scene; 2], poses: bool) -> Vec<String> {
     let plain = is_plain(scan).then_some("colour and material, which the scan does not specify");
     let poses = poses.then_some("poses: an animated asset is compared at rest");
     let has_occlusion = used_materials(asset).any(|material| material.occlusion_texture.is_some());
-    let occlusion = has_occlusion.then_some("ambient occlusion, whose rays are not traced a second time");
+    let occlusion = has_occlusion.then_some("ambient occlusion, other than by the error of a baked map");
     let layer = |property: Property| match property {
         Property::Layer(layer) => LAYERS.get(layer),
         _ => None,
@@ -307,8 +307,9 @@ pub(super) fn unseen([scan, asset]: [&Scene; 2], poses: bool) -> Vec<String> {
 }
 
 /// Returns the maps next to an asset that are not compared with anything.
-pub(super) fn unproved_maps(maps: &[MapKind]) -> Vec<String> {
-    maps.iter().filter(|map| map.is_separate()).map(|map| format!("{} map", map.name())).collect()
+pub(super) fn unproved_maps(maps: &[MapNote]) -> Vec<String> {
+    let unproved = maps.iter().filter(|note| note.map.is_separate() && note.error.is_none());
+    unproved.map(|note| format!("{} map", note.map.name())).collect()
 }
 
 #[cfg(test)]
@@ -424,6 +425,5 @@ mod tests {
         assert_eq!(unseen([&plain, &plain], false), [plainly]);
         assert_eq!(unseen([&coated, &plain], false), ["clearcoat"]);
         assert_eq!(unseen([&plain, &plain], true)[1], "poses: an animated asset is compared at rest");
-        assert_eq!(unproved_maps(&[MapKind::Normal, MapKind::Height]), ["height map"]);
     }
 }

@@ -6,12 +6,13 @@ use super::findings::unproved_maps;
 use super::outcome::RequirementOutcome;
 use super::verification::Proof;
 use crate::asset::ask::MeshSource;
-use crate::asset::bake::{DroppedProperty, Trial};
+use crate::asset::bake::{DroppedProperty, Part, Trial};
 use crate::asset::source::{Origin, Scan};
 use crate::asset::write::{MapNote, Parameters, WrittenAsset, maps_alone, name_of};
 use std::path::{Path, PathBuf};
 use taotie_engine::bake::MapKind;
 use taotie_engine::error::{Result, Warning, Warnings};
+use taotie_engine::length::Unit;
 use taotie_engine::surface::Noise;
 use taotie_io::CodecKind;
 
@@ -27,7 +28,7 @@ const SCHEMA: u32 = 6;
 /// /// Collects all that is known about an asset.
 /// fn report(written: &WrittenAsset, proof: &Proof, wanted: &VerifyOptions) -> Result<Report> {
 ///     let mut report = Report::of(written)?;
-///     report.proof = Some(proof.figures.clone());
+///     report.prove(proof.figures.clone(), proof.maps.clone());
 ///     report.certificate = Some(Certificate::of_written(written, &proof.figures, wanted, &Signature::default())?);
 ///     Ok(report)
 /// }
@@ -72,6 +73,9 @@ pub struct Report {
     pub proof: Option<Figures>,
     /// The outcomes of the bake's rays, which only the bake knows; `None` if the asset was not baked here.
     pub bake: Option<BakeFigures>,
+    /// The unit of the scan's coordinates; `None` if unknown. JSON has it in the figures of the proof.
+    #[serde(skip)]
+    pub unit: Option<Unit>,
     /// The scan's noise, and the change by its removal; `None` unless it was requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise: Option<Noise>,
@@ -115,15 +119,15 @@ impl BakeFigures {
         let asset = written.asset();
         let (counts, made) = (asset.counts(), &asset.made);
         let share = |of: usize, all: usize| of as f64 / all.max(1) as f64;
-        let texels = made.size.map(|side| side as usize).iter().product::<usize>() * made.parts.len();
-        let maps: Vec<MapKind> = written.maps().iter().map(|note| note.map).collect();
+        let texels_of = |part: &Part| part.maps.size.map(|side| side as usize).iter().product::<usize>();
+        let texels = made.parts.iter().map(texels_of).sum();
         Self {
             missed_texels: share(counts.missed_texels, counts.texels),
             missed_samples: share(counts.missed, counts.samples),
             lost_samples: share(counts.lost, counts.samples),
             uv_use: share(counts.texels, texels),
             floor_8_bit: stores_8_bits(written).then_some(Proof::FLOOR_8_BIT),
-            unproved_maps: unproved_maps(&maps),
+            unproved_maps: unproved_maps(&written.maps()),
         }
     }
 }
@@ -185,6 +189,7 @@ impl Report {
             left: made.left.clone(),
             proof: None,
             bake: Some(BakeFigures::of(written)),
+            unit: asset.unit(),
             noise: made.noise.as_ref().map(|found| found.noise),
             trials: made.trials.clone(),
             stages: Vec::new(),
@@ -216,11 +221,21 @@ impl Report {
             left: Vec::new(),
             proof: Some(proof.figures.clone()),
             bake: None,
+            unit: proof.figures.unit,
             noise: None,
             trials: Vec::new(),
             stages: Vec::new(),
             warnings: [scan.warnings(), &proof.warnings].map(Warnings::list).concat(),
         })
+    }
+
+    /// Adds the figures of a proof, and its maps with their errors.
+    pub fn prove(&mut self, figures: Figures, maps: Vec<MapNote>) {
+        self.proof = Some(figures);
+        self.maps = maps;
+        if let Some(bake) = &mut self.bake {
+            bake.unproved_maps = unproved_maps(&self.maps);
+        }
     }
 
     /// Returns the requirements and their outcomes.

@@ -9,19 +9,19 @@ use super::pictures::{
 };
 use super::shown::{ShownLevel, stacked};
 use crate::asset::ask::{Requirement, pixels_across};
-use crate::asset::bake::{Made, assign_object_map};
+use crate::asset::bake::{Made, Part, assign_object_map};
 use crate::asset::source::{Scan, all_files, from_metres, is_gltf, is_in_scan_unit, stated_unit};
-use crate::asset::write::{MapNote, WrittenAsset, codes_of_normals, maps_alone};
+use crate::asset::write::{MapNote, StoredValues, WrittenAsset, codes_of_normals, maps_alone};
 use std::path::{Path, PathBuf};
-use taotie_engine::bake::{self, TexelChecks};
+use taotie_engine::bake::{self, MapContent, MapKind, MatchRule, TexelChecks};
 use taotie_engine::compare::Field;
 use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::image::{Encoding, Texture};
 use taotie_engine::length::Unit;
 use taotie_engine::mesh::Point;
 use taotie_engine::progress::Progress;
-use taotie_engine::proof::Footprint;
-use taotie_engine::scene::{NormalSpace, Scene};
+use taotie_engine::proof::{Footprint, MapCheck, MapError, StoredMap};
+use taotie_engine::scene::{GreenChannel, NormalSpace, Scene};
 use taotie_io::{GltfSizes, GltfSource, Limits, Loaded};
 
 /// The differences of an asset from its scan: figures and images.
@@ -66,6 +66,8 @@ pub struct Proof {
     /// FLIP of close-ups of the worst UV island and the worst material of the finest level, likewise, with half as
     /// many pixels along a side.
     pub part_flips: Vec<PartFlip>,
+    /// The maps of the asset, with the errors of those that no figure covers; empty if it was not baked here.
+    pub maps: Vec<MapNote>,
     /// Problems with the file as read, and of the measurement.
     pub warnings: Warnings,
 }
@@ -254,7 +256,7 @@ impl WrittenAsset {
     ///
     /// Each level of detail is measured, the coarser ones at a quarter of the points. If the scan is passed by value
     /// rather than borrowed, its tree is freed before images of it are rendered. The listener receives the stages
-    /// `read back`, `measure normals`, `measure levels` if there are several, `map errors`, and `compare views`.
+    /// `read back`, `measure maps` if some are in no figure, `measure normals`, `measure levels` if there are several, `map errors`, and `compare views`.
     ///
     /// # Errors
     /// [`Error::Cancelled`]; those of reading, if the files are not as written; [`Error::Invalid`] if an option is
@@ -272,7 +274,8 @@ impl WrittenAsset {
             progress.begin("read back")?;
             let shown = written.shown()?;
             let noise_maps = written.noise_maps(&scan, &options)?;
-            let mut proof = Proof { noise_maps, ..prove(shown, scan, &options, progress)? };
+            let maps = written.measured_maps(&scan, progress)?;
+            let mut proof = Proof { noise_maps, maps, ..prove(shown, scan, &options, progress)? };
             proof
                 .figures
                 .unseen
@@ -305,6 +308,61 @@ impl WrittenAsset {
         into_scan_space(&mut levels, unit)?;
         let is_searched = made.rounding.is_some();
         Ok(Shown { levels, path, bytes_out, gpu_bytes, is_searched, has_material: true, unit })
+    }
+
+    /// Returns the notes on all maps, with the errors of those that no figure covers, as their files store them.
+    /// Occlusion inside a model is that before it was packed.
+    fn measured_maps(&self, scan: &Scan, progress: Progress<'_>) -> Result<Vec<MapNote>> {
+        let mut notes = self.maps();
+        let is_measured = |note: &MapNote| {
+            note.channel.is_none() && (note.map.is_separate() || note.map == MapKind::Occlusion)
+        };
+        if !notes.iter().any(is_measured) {
+            return Ok(notes);
+        }
+        scan.sort(progress)?;
+        progress.begin("measure maps")?;
+        for part in &self.asset.made.parts {
+            for own in self.maps_of_part(part).iter().filter(|note| is_measured(note)) {
+                let error = self.map_error(part, own, scan)?;
+                let same = notes.iter_mut().filter(|note| *note == own);
+                same.for_each(|note| note.error.clone_from(&error));
+            }
+        }
+        Ok(notes)
+    }
+
+    fn map_error(&self, part: &Part, note: &MapNote, scan: &Scan) -> Result<Option<MapError>> {
+        let Made { options, .. } = &*self.asset.made;
+        let bitmap = match (&note.file, part.maps.textures.occlusion_texture()) {
+            (Some(file), _) => {
+                taotie_io::read_bitmap_within(&self.set.current(file), &Limits::of_own_files())?
+            }
+            (None, Some(own)) => own.clone(),
+            (None, None) => return Ok(None),
+        };
+        let is_turned =
+            matches!(note.map, MapKind::Bent | MapKind::Bevel) && options.space == NormalSpace::Tangent;
+        let green = if is_turned { self.packing.green } else { GreenChannel::Up };
+        let things = scan.about.objects.names.len().max(scan.surface().material_names().len()).max(1);
+        let values = StoredValues::of(note, bitmap, (green, things as u32));
+        let check = MapCheck {
+            low: &part.low.mesh,
+            cage: &part.maps.cage,
+            scan: scan.sorted(),
+            isolated: options.matching == MatchRule::Isolated,
+            sky_distance: options.ao_distance.map(|v| v as f32),
+            bevel_radius: options.bevel_radius.map(|v| v as f32),
+        };
+        let map = StoredMap { kind: note.map, space: options.space, value: &|uv| values.at(uv) };
+        let unit = match note.map.content() {
+            MapContent::Direction => "°",
+            MapContent::Color => "ΔE00",
+            MapContent::Fraction => "",
+            MapContent::Label => "share",
+            MapContent::Length => &note.unit,
+        };
+        Ok(check.error(&map)?.map(|summary| MapError { unit: unit.to_owned(), summary }))
     }
 
     /// Returns pictures of the angles by which the removal of noise turned the normals of its scan.
@@ -348,8 +406,7 @@ impl WrittenAsset {
         for part in parts {
             let label = part.low.label();
             let is_it = |note: &&MapNote| {
-                note.map == taotie_engine::bake::MapKind::Normal
-                    && note.material.as_deref().unwrap_or("") == label
+                note.map == MapKind::Normal && note.material.as_deref().unwrap_or("") == label
             };
             let Some(file) = notes.iter().find(is_it).and_then(|note| note.file.as_ref()) else { continue };
             let texture = self.read_normals(file)?;
@@ -418,6 +475,7 @@ impl Proof {
             color_map,
             detail_map,
             noise_maps: Vec::new(),
+            maps: Vec::new(),
             views,
             full_views,
             coarser_views,

@@ -404,7 +404,8 @@ impl<'a> LevelMaker<'a> {
             // A cage has different vertices.
             RayLength::Auto | RayLength::Cage(_) => RayLength::Auto,
         };
-        let rays = Rays { length, skew: self.recipe.rays.skew.clone() };
+        let Rays { skew, uvs, .. } = self.recipe.rays;
+        let rays = Rays { length, skew: skew.clone(), uvs: uvs.clone() };
         let size = options.map_size().map(|side| (side >> number.min(16)).next_multiple_of(4).max(16));
         let recipe = Recipe { options: &options, rays: &rays };
         let maps = bake_maps(recipe, size, Pair { scan: self.scan, low: &level }, progress)?;

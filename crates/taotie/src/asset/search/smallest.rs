@@ -399,7 +399,7 @@ mod tests {
         let goal = vec![Requirement::mean_angle_deg(1.0)];
         let asked = BakeOptions { goal: Some(goal.clone()), ..BakeOptions::default() };
         let options = BakePlan::of(&asked.sized(scan.about.size), &scan.about.carried, &[]).options;
-        let rays = Rays { length: RayLength::Auto, skew: Skew::Corrected };
+        let rays = Rays { length: RayLength::Auto, skew: Skew::Corrected, uvs: None };
         let recipe = Recipe { options: &options, rays: &rays };
         let found = smallest(recipe, (scan, Level::FINEST), Progress::SILENT)?;
         let chosen = *found.trials.iter().find(|trial| trial.is_chosen).expect("one is chosen");

@@ -13,7 +13,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
-use taotie_engine::bake::{self, CageGroups, MapKind};
+use taotie_engine::bake::{self, CageGroups, MapKind, MatchRule, UvIndex};
 use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::image::{Encoding, Texture};
 use taotie_engine::math::Vec2;
@@ -53,8 +53,8 @@ impl Inputs {
                 if options.new_uvs {
                     read.without_uvs()?;
                 }
-                let groups = match options.by_name {
-                    true => Groups::matched(&read.objects, &scan.about.objects, &mut reader.warnings),
+                let groups = match options.matching.reads_names() {
+                    true => Groups::matched([&read.objects, &scan.about.objects], &mut reader.warnings),
                     false => None,
                 };
                 let given = GivenMesh::of(options, source, read, &mut reader.warnings)?.with_groups(groups);
@@ -63,7 +63,9 @@ impl Inputs {
             }
             None => None,
         };
-        let rays = Rays { length: reader.lengths(&options.ray_distance)?, skew: reader.skew(options)? };
+        let uvs = options.matching == MatchRule::Uv;
+        let uvs = uvs.then(|| UvIndex::of(scan.mesh()).map(Arc::new)).transpose()?;
+        let rays = Rays { length: reader.lengths(&options.ray_distance)?, skew: reader.skew(options)?, uvs };
         if let (Some(given), RayLength::Cage(cage)) = (&given, &rays.length) {
             cage.check(given.triangle_count())?;
         }

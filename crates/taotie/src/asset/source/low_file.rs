@@ -18,7 +18,7 @@ use taotie_engine::mesh::{Mesh, MeshData};
 use taotie_engine::names::Named;
 use taotie_engine::scene::{Material, NormalSpace, Scene};
 use taotie_engine::surface::with_normals;
-use taotie_io::{GltfFormat, GltfGraft, GltfSource, Limits};
+use taotie_io::{GltfFormat, GltfGraft, GltfSource, Limits, Objects};
 
 /// The contents of a mesh file.
 pub(super) struct Read {
@@ -35,8 +35,8 @@ pub(super) struct Read {
     pub has_xmp: bool,
     /// The names of its meshes; possibly fewer than meshes.
     pub names: Vec<String>,
-    /// The names of its objects; possibly fewer than instances.
-    pub objects: Vec<String>,
+    /// The objects of its instances; none if its file has no objects.
+    pub objects: Objects,
     /// The limits within which it was read.
     pub limits: Limits,
     /// All files that it was read from, the mesh file first; empty in memory.
@@ -84,7 +84,7 @@ fn as_it_is(source: &MeshSource, limits: Limits, warnings: &mut Warnings) -> Res
         MeshSource::Mesh(mesh) => {
             let scene = Scene::of_mesh(Mesh::clone(mesh), Material::default())?;
             check_extent(&scene, "the low-poly mesh")?;
-            let (names, objects, files) = (Vec::new(), Vec::new(), Vec::new());
+            let (names, objects, files) = (Vec::new(), Objects::default(), Vec::new());
             let (is_gltf, is_in_metres, has_xmp) = (false, false, false);
             let stated_unit = None;
             Ok(Read {
@@ -115,7 +115,7 @@ fn as_it_is(source: &MeshSource, limits: Limits, warnings: &mut Warnings) -> Res
                 is_in_metres: false,
                 has_xmp,
                 names,
-                objects: loaded.object_names,
+                objects: loaded.objects,
                 limits,
                 files,
             })
@@ -490,7 +490,7 @@ mod tests {
         });
         let (scene, limits) = (scene.unwrap(), Limits::default());
         let (is_in_metres, has_xmp) = (false, false);
-        let (names, objects, files) = (Vec::new(), Vec::new(), Vec::new());
+        let (names, objects, files) = (Vec::new(), Objects::default(), Vec::new());
         let (is_gltf, stated_unit) = (true, None);
         Read {
             scene,

@@ -9,7 +9,7 @@ use std::ops::Range;
 use std::sync::Arc;
 use taotie_engine::bake::{
     self, Cage, CageGroups, Faults, MapKind, Remesh, Remeshed, Shells, Simplified, SimplifyMethod,
-    SimplifyOptions, UnwrapOptions,
+    SimplifyOptions, UnwrapOptions, UvIndex,
 };
 use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::image::{Bitmap, Texture};
@@ -18,6 +18,7 @@ use taotie_engine::mesh::{Mesh, MeshData, RELIEF_OF_VERTICES};
 use taotie_engine::progress::Progress;
 use taotie_engine::scene::{AlphaMode, Material};
 use taotie_engine::surface::with_frames;
+use taotie_io::Objects;
 
 /// A low-poly mesh, ready to be baked onto.
 pub(in crate::asset) struct LowPoly {
@@ -382,6 +383,8 @@ pub(super) fn framed(mesh: &Mesh, progress: Progress<'_>) -> Result<Mesh> {
 pub(in crate::asset) struct Rays {
     pub length: RayLength,
     pub skew: Skew,
+    /// The scan's triangles by their uvs, if points of the same uv correspond.
+    pub uvs: Option<Arc<UvIndex>>,
 }
 
 /// The normals that rays follow on flat faces.
@@ -431,7 +434,7 @@ impl Rays {
             Skew::Kept => cage.skewed(),
             Skew::Mask(mask) => cage.straightened_by(Arc::clone(mask)),
         };
-        Ok(cage.scaled(&low.ray_factors))
+        Ok(cage.scaled(&low.ray_factors).with_uvs(self.uvs.clone()))
     }
 }
 
@@ -481,19 +484,20 @@ const HIGH: &str = "_high";
 pub(in crate::asset) struct Groups {
     /// The names of the groups, sorted.
     pub names: Vec<String>,
-    /// The group of each object of the low-poly mesh, an index into `names`; `None` if it shows the whole scan.
+    /// The group of each instance of the low-poly mesh, an index into `names`; `None` if it shows the whole scan.
     of_low: Vec<Option<u32>>,
-    /// The group of each object of the scan.
+    /// The group of each instance of the scan.
     of_high: Arc<[Option<u32>]>,
 }
 
 impl Groups {
     /// Matches objects by their names; `None` if no name of the low-poly mesh has a counterpart, or if all objects
     /// are one group. Objects without a counterpart are noted.
-    pub fn matched(low: &[String], high: &[String], warnings: &mut Warnings) -> Option<Self> {
+    pub fn matched([low, high]: [&Objects; 2], warnings: &mut Warnings) -> Option<Self> {
         let of_high: Vec<Option<String>> =
-            high.iter().map(|name| taotie_io::name_before(name, HIGH)).collect();
-        let of_low: Vec<Option<String>> = low.iter().map(|name| taotie_io::name_before(name, LOW)).collect();
+            high.names.iter().map(|name| taotie_io::name_before(name, HIGH)).collect();
+        let of_low: Vec<Option<String>> =
+            low.names.iter().map(|name| taotie_io::name_before(name, LOW)).collect();
         let named: BTreeSet<&String> = of_high.iter().flatten().collect();
         let shared: BTreeSet<&String> = of_low.iter().flatten().filter(|name| named.contains(name)).collect();
         let names: Vec<String> = shared.into_iter().cloned().collect();
@@ -513,16 +517,20 @@ impl Groups {
             "objects of the scan without a counterpart by name: no matched object shows them",
             without(&high_groups),
         );
-        Some(Self { names, of_low: low_groups, of_high: high_groups.into() })
+        let of_instances = |objects: &Objects, groups: &[Option<u32>]| -> Vec<Option<u32>> {
+            objects.of_instances.iter().map(|object| groups[*object as usize]).collect()
+        };
+        let (of_low, of_high) = (of_instances(low, &low_groups), of_instances(high, &high_groups));
+        Some(Self { names, of_low, of_high: of_high.into() })
     }
 
-    /// Returns the groups of a mesh of these objects of the low-poly mesh, each with its number of triangles.
-    pub fn of_mesh(&self, objects: impl Iterator<Item = (usize, usize)>) -> CageGroups {
-        let of_object = |(object, triangles): (usize, usize)| {
-            std::iter::repeat_n(self.of_low.get(object).copied().flatten(), triangles)
+    /// Returns the groups of a mesh of these instances of the low-poly mesh, each with its number of triangles.
+    pub fn of_mesh(&self, instances: impl Iterator<Item = (usize, usize)>) -> CageGroups {
+        let of_instance = |(instance, triangles): (usize, usize)| {
+            std::iter::repeat_n(self.of_low.get(instance).copied().flatten(), triangles)
         };
         CageGroups {
-            of_triangle: objects.flat_map(of_object).collect(),
+            of_triangle: instances.flat_map(of_instance).collect(),
             of_object: Arc::clone(&self.of_high),
         }
     }
@@ -532,16 +540,17 @@ impl Groups {
 mod tests {
     use super::*;
 
-    fn names(all: &[&str]) -> Vec<String> {
-        all.iter().map(|name| (*name).to_owned()).collect()
+    fn objects(all: &[&str]) -> Objects {
+        let names = all.iter().map(|name| (*name).to_owned()).collect();
+        Objects { names, of_instances: (0..all.len() as u32).collect() }
     }
 
     #[test]
     fn objects_are_matched_by_what_is_before_low_and_high() {
-        let low = names(&["Wheel_low", "axle_LOW.001", "wheel_low_rim", "cart"]);
-        let high = names(&["axle_high", "wheel_high_bolts", "WHEEL_high", "dust", "hook_high"]);
+        let low = objects(&["Wheel_low", "axle_LOW.001", "wheel_low_rim", "cart"]);
+        let high = objects(&["axle_high", "wheel_high_bolts", "WHEEL_high", "dust", "hook_high"]);
         let mut warnings = Warnings::default();
-        let groups = Groups::matched(&low, &high, &mut warnings).unwrap();
+        let groups = Groups::matched([&low, &high], &mut warnings).unwrap();
         assert_eq!(groups.names, ["axle", "wheel"]);
         assert_eq!(groups.of_low, [Some(1), Some(0), Some(1), None]);
         assert_eq!(*groups.of_high, [Some(0), Some(1), Some(1), None, None]);
@@ -562,7 +571,7 @@ mod tests {
             (&["a_low", "a_low"], &["a_high"]),
             (&[], &[]),
         ] {
-            assert_eq!(Groups::matched(&names(low), &names(high), &mut warnings), None, "{low:?}");
+            assert_eq!(Groups::matched([&objects(low), &objects(high)], &mut warnings), None, "{low:?}");
         }
         assert!(warnings.is_empty());
     }

@@ -16,7 +16,7 @@ use taotie_engine::mesh::Mesh;
 use taotie_engine::progress::Progress;
 use taotie_engine::scene::{Material, Scene};
 use taotie_engine::surface::{Denoised, Noise, NoiseHandling};
-use taotie_io::{FileHash, Limits, Loaded};
+use taotie_io::{FileHash, Limits, Loaded, Objects};
 
 /// The properties of a scan besides its triangles.
 #[derive(Debug)]
@@ -35,8 +35,8 @@ pub(in crate::asset) struct About {
     pub warnings: Warnings,
     pub size: ScanSize,
     pub carried: Carried,
-    /// Names of its objects, in the order of its instances; shorter or empty if they have none.
-    pub objects: Vec<String>,
+    /// The objects of its instances; none if its file has no objects.
+    pub objects: Objects,
     /// `true` if it specifies no colour and no material.
     pub is_plain: bool,
     /// `true` if its file has animations, skins, morph targets or material variants, none of which a baked asset has.
@@ -170,7 +170,7 @@ impl ScanFile {
             files,
             bytes,
             copyright: loaded.copyright,
-            objects: loaded.object_names,
+            objects: loaded.objects,
             xmp: (!loaded.xmp.is_empty()).then(|| loaded.xmp.swap_remove(0)),
             warnings: loaded.warnings,
             options: ScanOptions {
@@ -273,10 +273,14 @@ impl Scan {
             // Not built by `get_or_init`: a thread waiting for others' part of the work may pick up a bake of this
             // scan.
             None => {
-                let made = bake::Scan::of(Arc::clone(&self.surface));
+                let made = self.made_sorted();
                 self.sorted.get_or_init(|| made)
             }
         }
+    }
+
+    fn made_sorted(&self) -> bake::Scan {
+        bake::Scan::of(Arc::clone(&self.surface)).with_objects(Arc::clone(&self.about.objects.of_instances))
     }
 
     /// Calls `work` with the triangles sorted for rays. If they were not sorted before, the tree is dropped
@@ -284,7 +288,7 @@ impl Scan {
     pub(super) fn with_sorted<T>(&self, work: impl FnOnce(&bake::Scan) -> T) -> T {
         match self.sorted.get() {
             Some(sorted) => work(sorted),
-            None => work(&bake::Scan::of(Arc::clone(&self.surface))),
+            None => work(&self.made_sorted()),
         }
     }
 
@@ -435,7 +439,7 @@ impl About {
             warnings: Warnings::default(),
             size,
             carried,
-            objects: Vec::new(),
+            objects: Objects::default(),
             is_plain: is_plain(scene),
             is_rigged: false,
             one_level: None,

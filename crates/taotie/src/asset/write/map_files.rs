@@ -2,20 +2,23 @@
 //! programs, and numbers as OpenEXR stores them.
 
 use crate::asset::ask::{CHANNELS, ChannelSource, Channels, MapChannel, Packing, Quantity};
-use crate::asset::bake::{Part, Range, SeparateMap, Textures, labeled};
+use crate::asset::bake::{Part, Range, SeparateMap, Textures, label_color, labeled};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use taotie_engine::bake::{MapContent, MapKind};
 use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::image::{Bitmap, Encoding, Texels};
 use taotie_engine::math::srgb::{linear_from_srgb, srgb_from_linear};
+use taotie_engine::math::{Vec2, Vec3};
 use taotie_engine::names::Named;
 use taotie_engine::normal_map::{Storage, green_turned, store_codes, store_rgba};
+use taotie_engine::proof::MapError;
 use taotie_engine::scene::{GreenChannel, NormalSpace};
-use taotie_io::GltfMaterial;
+use taotie_io::{GltfMaterial, MapFormat};
 
 /// A map of a written asset: where it is stored, and what its values mean.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct MapNote {
     /// The kind of map.
@@ -32,23 +35,26 @@ pub struct MapNote {
     /// The value of white.
     pub white: Option<f64>,
     /// The unit of these values.
-    pub unit: &'static str,
+    pub unit: Cow<'static, str>,
     /// The point that positions are relative to, in the scan's space and unit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub origin: Option<[f64; 3]>,
     /// The colours of materials or objects, as `#rrggbb` in sRGB, by their names.
-    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub legend: BTreeMap<String, String>,
     /// The channel of the file that holds it, `R`, `G`, `B` or `A`, if the file packs several maps.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub channel: Option<&'static str>,
+    pub channel: Option<Cow<'static, str>>,
+    /// How far the values are from the scan's, measured by the proof for maps that no figure covers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error: Option<MapError>,
 }
 
 impl MapNote {
     /// Describes a map inside the asset. `label` is that of its material, here and below; it may be empty.
     pub(super) fn inside(label: &str, map: MapKind, bitmap: &Bitmap) -> Self {
         let (material, bits) = (named(label), bitmap.bits());
-        let (file, black, white, unit) = (None, None, None, "");
+        let (file, black, white, unit) = (None, None, None, Cow::Borrowed(""));
         Self {
             map,
             material,
@@ -60,6 +66,7 @@ impl MapNote {
             origin: None,
             legend: BTreeMap::new(),
             channel: None,
+            error: None,
         }
     }
 
@@ -72,10 +79,11 @@ impl MapNote {
             bits: own.bitmap.bits(),
             black: own.range.map(|range| range.black),
             white: own.range.map(|range| range.white),
-            unit: own.range.map_or("", |range| range.unit),
+            unit: own.range.map_or("", |range| range.unit).into(),
             origin: own.origin,
             legend: own.legend.clone(),
             channel: None,
+            error: None,
         }
     }
 }
@@ -238,10 +246,11 @@ impl PackedChannels<'_> {
                 bits,
                 black: ends.map(|[black, _]| black),
                 white: ends.map(|[_, white]| white),
-                unit: range.map_or("", |range| range.unit),
+                unit: range.map_or("", |range| range.unit).into(),
                 origin: self.own(quantity.map()).and_then(|own| own.origin),
                 legend: BTreeMap::new(),
-                channel: Some(letter),
+                channel: Some(letter.into()),
+                error: None,
             })
         };
         Ok(all.iter().zip(CHANNELS).filter_map(note).collect())
@@ -361,11 +370,82 @@ impl Meaning {
     }
 }
 
-/// Returns the bytes of an OpenEXR file with the numbers of a map.
+/// The values of a map that was read from its file.
+pub(in crate::asset) struct StoredValues {
+    bitmap: Bitmap,
+    meaning: Meaning,
+    /// The point that positions are relative to.
+    origin: Vec3,
+    /// Whether green is up.
+    green: GreenChannel,
+    /// The numbers of labels by their colours, if it stores labels.
+    labels: BTreeMap<[u8; 3], u32>,
+}
+
+impl StoredValues {
+    /// Takes the map that a note describes; labels are numbers below `things`.
+    pub fn of(note: &MapNote, bitmap: Bitmap, (green, things): (GreenChannel, u32)) -> Self {
+        let is_float = matches!(bitmap.texels(), Texels::F32(_));
+        let content = note.map.content();
+        let range = || Range { black: note.black.unwrap_or(0.0), white: note.white.unwrap_or(1.0), unit: "" };
+        let meaning = match content {
+            // Of numbers, the note states what codes mean in this file.
+            MapContent::Length => Meaning::Number(range()),
+            MapContent::Direction if !is_float => Meaning::Direction,
+            MapContent::Color if !is_float => Meaning::Color,
+            _ => Meaning::Plain,
+        };
+        let labels = match content {
+            MapContent::Label => (0..things).map(|number| (label_color(number), number)).collect(),
+            _ => BTreeMap::new(),
+        };
+        let [x, y, z] = note.origin.unwrap_or_default().map(|v| v as f32);
+        Self { bitmap, meaning, origin: Vec3::new(x, y, z), green, labels }
+    }
+
+    /// Returns the value at a uv: interpolated between texels, or that of the nearest one for labels, whose number is
+    /// the first component; −1 for the colour of none.
+    pub fn at(&self, uv: Vec2) -> Vec3 {
+        let size = [self.bitmap.width(), self.bitmap.height()];
+        if !self.labels.is_empty() {
+            let [x, y] = [(uv.x, size[0]), (uv.y, size[1])]
+                .map(|(at, side)| ((at * side as f32) as u32).min(side.saturating_sub(1)));
+            return Vec3::splat(self.label((y * size[0] + x) as usize));
+        }
+        let along = |at: f32, side: u32| {
+            let place = (at * side as f32 - 0.5).clamp(0.0, side.saturating_sub(1) as f32);
+            let first = place as u32;
+            (first, (first + 1).min(side.saturating_sub(1)), place - first as f32)
+        };
+        let ((left, right, x), (top, bottom, y)) = (along(uv.x, size[0]), along(uv.y, size[1]));
+        let texel = |column: u32, row: u32| self.value((row * size[0] + column) as usize);
+        let across = |row: u32| texel(left, row) * (1.0 - x) + texel(right, row) * x;
+        across(top) * (1.0 - y) + across(bottom) * y
+    }
+
+    fn value(&self, texel: usize) -> Vec3 {
+        let [r, g, b, _] = self.bitmap.stored(texel);
+        let [x, y, z] = [r, g, b].map(|code| self.meaning.number(code));
+        let y = if self.green == GreenChannel::Down { -y } else { y };
+        Vec3::new(x, y, z) + self.origin
+    }
+
+    fn label(&self, texel: usize) -> f32 {
+        let is_float = matches!(self.bitmap.texels(), Texels::F32(_));
+        let [r, g, b, _] = self.bitmap.stored(texel);
+        let code = |v: f32| {
+            let code = if is_float { srgb_from_linear(f64::from(v)) } else { f64::from(v) };
+            (code * 255.0).round() as u8
+        };
+        self.labels.get(&[r, g, b].map(code)).map_or(-1.0, |number| *number as f32)
+    }
+}
+
+/// Returns the bytes of an OpenEXR or TIFF file with the numbers of a map as floats.
 ///
 /// # Errors
-/// [`Error::Unsupported`] without the feature `exr`.
-pub(super) fn encode_numbers(bitmap: &Bitmap, meaning: Meaning) -> Result<Vec<u8>> {
+/// [`Error::Unsupported`] for OpenEXR without the feature `exr`.
+pub(super) fn encode_numbers(bitmap: &Bitmap, meaning: Meaning, format: MapFormat) -> Result<Vec<u8>> {
     let channels = if matches!(bitmap.channels(), 2 | 4) { 4 } else { 3 };
     let texels = (bitmap.width() * bitmap.height()) as usize;
     let mut samples = Vec::with_capacity(texels * channels);
@@ -373,7 +453,11 @@ pub(super) fn encode_numbers(bitmap: &Bitmap, meaning: Meaning) -> Result<Vec<u8
         samples.extend(texel[..3].iter().map(|code| meaning.number(*code)));
         samples.extend(&texel[3..channels]);
     }
-    exr([bitmap.width(), bitmap.height()], &["R", "G", "B", "A"][..channels], &samples)
+    let size = [bitmap.width(), bitmap.height()];
+    match format {
+        MapFormat::Tiff => taotie_io::encode_tiff_floats(size.into(), channels as u8, &samples),
+        _ => exr(size, &["R", "G", "B", "A"][..channels], &samples),
+    }
 }
 
 #[cfg(feature = "exr")]

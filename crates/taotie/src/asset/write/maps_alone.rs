@@ -128,7 +128,7 @@ impl<'a> MapFile<'a> {
     /// Returns its bytes, in the format of its extension, with the texels of `bitmap`.
     fn encoded(&self, bitmap: &Bitmap) -> Result<Vec<u8>> {
         match MapFormat::of(&self.path) {
-            Some(MapFormat::Exr) => encode_numbers(bitmap, self.meaning()),
+            Some(format) if self.stores_numbers() => encode_numbers(bitmap, self.meaning(), format),
             Some(MapFormat::Dds) if self.maps.iter().any(|map| map.content() == MapContent::Label) => {
                 let what = format!("{} as DDS", self.name());
                 Err(Error::unsupported(what, "blocks and mip levels mix colours; write a .png"))
@@ -137,6 +137,15 @@ impl<'a> MapFile<'a> {
                 taotie_io::encode_map(bitmap, Encoding::Normal, MapFormat::Dds)
             }
             format => taotie_io::encode_map(bitmap, self.encoding(), format.unwrap_or(MapFormat::Png)),
+        }
+    }
+
+    /// Returns `true` if the file stores numbers as floats rather than codes.
+    fn stores_numbers(&self) -> bool {
+        match MapFormat::of(&self.path) {
+            Some(MapFormat::Exr) => true,
+            Some(MapFormat::Tiff) => self.bitmap.bits() == 32,
+            _ => false,
         }
     }
 
@@ -150,10 +159,9 @@ impl<'a> MapFile<'a> {
         }
     }
 
-    /// Returns the values of black and white in the file: OpenEXR stores the numbers themselves, except for emission.
+    /// Returns the values of black and white in the file: floats are the numbers themselves, except for emission.
     fn file_range(&self) -> Option<Range> {
-        let is_number =
-            matches!(self.meaning(), Meaning::Number(_)) && MapFormat::of(&self.path) == Some(MapFormat::Exr);
+        let is_number = matches!(self.meaning(), Meaning::Number(_)) && self.stores_numbers();
         self.range.map(|range| if is_number { Range { black: 0.0, white: 1.0, ..range } } else { range })
     }
 
@@ -166,26 +174,24 @@ impl<'a> MapFile<'a> {
             bits: self.bitmap.bits(),
             black: range.map(|range| range.black),
             white: range.map(|range| range.white),
-            unit: range.map_or("", |range| range.unit),
+            unit: range.map_or("", |range| range.unit).into(),
             origin: self.origin,
             legend: self.legend.cloned().unwrap_or_default(),
             channel: None,
+            error: None,
         })
     }
 }
 
-/// Returns each map's kind, material and file.
-pub(super) fn notes(made: &Made, path: &Path, packing: &Packing) -> Vec<MapNote> {
-    let of = |part| {
-        let mut notes: Vec<MapNote> = files(part, path).iter().flat_map(MapFile::notes).collect();
-        for channels in &packing.channels {
-            let packed = PackedChannels { part, channels, turned: &[] };
-            // They were written, so no map is missing.
-            notes.extend(packed.notes(&sibling(&placed(part, path), &packed.name())).unwrap_or_default());
-        }
-        notes
-    };
-    made.parts.iter().flat_map(of).collect()
+/// Returns the kind, material and file of each map of a part.
+pub(super) fn notes(part: &Part, path: &Path, packing: &Packing) -> Vec<MapNote> {
+    let mut notes: Vec<MapNote> = files(part, path).iter().flat_map(MapFile::notes).collect();
+    for channels in &packing.channels {
+        let packed = PackedChannels { part, channels, turned: &[] };
+        // They were written, so no map is missing.
+        notes.extend(packed.notes(&sibling(&placed(part, path), &packed.name())).unwrap_or_default());
+    }
+    notes
 }
 
 /// Returns all files.
@@ -228,9 +234,12 @@ pub(super) fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec
 fn check(made: &Made, path: &Path, packing: &Packing) -> Result<()> {
     let is_unwrapped = made.parts.iter().any(|part| part.low.origin.islands.is_some());
     let names_tiles = name_of(path).contains(BakeOptions::UDIM);
+    let has_floats = made.options.bits == 32;
+    let is_float = matches!(MapFormat::of(path), Some(MapFormat::Exr | MapFormat::Tiff));
     let wrong = [
         (made.options.udim && !names_tiles, "UDIM tiles need <UDIM> in the file name, as in rock.<UDIM>.png"),
         (!made.options.udim && names_tiles, "<UDIM> in the file name needs a bake of UDIM tiles"),
+        (has_floats && !is_float, "only .exr and .tiff store 32 bits; use 16"),
         (is_unwrapped, "no file would store the generated uvs; use a low-poly mesh with uvs"),
         (!made.coarser.is_empty(), "levels of detail need a model; omit them"),
         (

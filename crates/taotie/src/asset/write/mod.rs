@@ -6,7 +6,7 @@ mod provenance;
 mod written;
 
 pub use map_files::MapNote;
-pub(super) use map_files::{codes_of_normals, name_of, without_folders};
+pub(super) use map_files::{StoredValues, codes_of_normals, name_of, without_folders};
 pub use provenance::{Parameters, model_unit};
 pub use written::WrittenAsset;
 pub(super) use written::possible_files;

@@ -7,7 +7,7 @@ use crate::asset::source::{ScanOptions, stated_unit};
 use serde_json::Value;
 use std::fmt;
 use std::path::{Path, PathBuf};
-use taotie_engine::bake::MapKind;
+use taotie_engine::bake::{MapKind, MatchRule, SetSizes};
 use taotie_engine::error::Result;
 use taotie_engine::length::Unit;
 use taotie_engine::names::Named;
@@ -67,9 +67,12 @@ struct Fields<'a> {
     bevel_radius: Option<f64>,
     /// The length of projection rays, model units.
     ray_distance: Auto,
-    /// `false` if names of objects were ignored; `None` if not.
+    /// How the scan was matched, as for `--match`; `None` for the default.
+    #[serde(rename = "match", skip_serializing_if = "Option::is_none")]
+    matching: Option<&'static str>,
+    /// The sizes of the maps of several materials, as for `--sizes`; `None` if all are the same.
     #[serde(skip_serializing_if = "Option::is_none")]
-    by_name: Option<bool>,
+    sizes: Option<String>,
     /// `true` if the low-poly mesh was unwrapped again; `None` if not.
     #[serde(skip_serializing_if = "Option::is_none")]
     new_uvs: Option<bool>,
@@ -214,7 +217,8 @@ impl Parameters {
             roughness: options.roughness,
             bevel_radius: options.bevel_radius,
             ray_distance: auto(distance),
-            by_name: (!options.by_name).then_some(false),
+            matching: (options.matching != MatchRule::ByName).then_some(options.matching.name()),
+            sizes: (options.sizes != SetSizes::Same).then(|| options.sizes.to_string()),
             new_uvs: options.new_uvs.then_some(true),
             udim: options.udim.then_some(true),
             ray_colors: options.ray_colors.then_some(true),

@@ -433,10 +433,11 @@ fn extras(sets: &[BesideMaps<'_>], path: &Path, packing: &Packing) -> Result<Opt
         let file = packed_file(&packed, path);
         let mut about = json!({ "file": name_of(&file) });
         for note in packed.notes(&file)? {
-            about[note.channel.unwrap_or_default()] =
+            let channel = note.channel.unwrap_or_default();
+            about[&*channel] =
                 json!({ "map": note.map, "black": note.black, "white": note.white, "unit": note.unit });
             if let Some(origin) = note.origin {
-                about[note.channel.unwrap_or_default()]["origin"] = json!(origin);
+                about[&*channel]["origin"] = json!(origin);
             }
         }
         maps.insert(packed.name(), about);
@@ -477,10 +478,10 @@ impl WrittenAsset {
 
     /// Returns each map's kind and location, material by material.
     pub fn maps(&self) -> Vec<MapNote> {
-        if self.is_alone() {
-            return maps_alone::notes(&self.asset.made, &self.requested, &self.packing);
-        }
         let parts = self.asset.made.parts.iter();
+        if self.is_alone() {
+            return parts.flat_map(|part| self.maps_of_part(part)).collect();
+        }
         let packed = parts.flat_map(|part| {
             let of = move |channels| PackedChannels { part, channels, turned: &[] };
             self.packing.channels.iter().map(of)
@@ -490,6 +491,14 @@ impl WrittenAsset {
             packed.filter_map(|packed| packed.notes(&packed_file(&packed, self.path())).ok()).flatten();
         let sets = self.asset.texture_sets();
         sets.flat_map(|(label, textures)| self.maps_of(label, textures)).chain(packed).collect()
+    }
+
+    /// Returns the notes of a part of the finest level, without those of packed channels next to a model.
+    pub(in crate::asset) fn maps_of_part(&self, part: &Part) -> Vec<MapNote> {
+        match self.is_alone() {
+            true => maps_alone::notes(part, &self.requested, &self.packing),
+            false => self.maps_of(part.low.label(), &part.maps.textures),
+        }
     }
 
     fn maps_of(&self, label: &str, textures: &Textures) -> Vec<MapNote> {

@@ -1,0 +1,267 @@
+//! The errors of maps that no picture of the asset shows: each is read at points spread over the low-poly mesh and
+//! compared with the scan there, seen head-on.
+//!
+//! Nothing is taken from the rays of the bake: the point of the scan is the one straight along the triangle's normal,
+//! occlusion and thickness are integrated over other directions, and positions, heights and displacements are measured
+//! by their distance from the scan.
+
+use crate::bake::{Bevel, Cage, Correspondence, MapKind, ProjectionRay, Scan, Seen, mean_curvatures};
+use crate::compare::{Field, Summary, angle_deg, color_difference};
+use crate::error::Result;
+use crate::math::{Vec2, Vec3, integration, scalar};
+use crate::mesh::{Mesh, Point, TangentFrame, blend, each, sample_area};
+use crate::parallel;
+use crate::scene::NormalSpace;
+use crate::surface::facet_normal;
+use crate::trace::Ray;
+
+/// The error of a map, at points that see the scan.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct MapError {
+    /// The unit: `°`; `ΔE00`; `share` of labels that are another's; a length or its inverse; or nothing.
+    pub unit: String,
+    /// The errors.
+    #[serde(flatten)]
+    pub summary: Summary,
+}
+
+/// A map as its file stores it.
+#[derive(Clone, Copy)]
+pub struct StoredMap<'a> {
+    /// The kind of map.
+    pub kind: MapKind,
+    /// The space of directions and displacements.
+    pub space: NormalSpace,
+    /// Returns the vector, colour (linear RGB) or number at a uv; numbers are the first component.
+    pub value: &'a (dyn Fn(Vec2) -> Vec3 + Sync),
+}
+
+/// A low-poly mesh and its scan.
+#[derive(Clone, Copy)]
+pub struct MapCheck<'a> {
+    /// The low-poly mesh, with uvs, normals and tangents.
+    pub low: &'a Mesh,
+    /// The cage of the bake, for the objects that each triangle shows and for the directions of heights.
+    pub cage: &'a Cage,
+    /// The scan.
+    pub scan: &'a Scan,
+    /// `true` if rays for occlusion, bent normals, thickness and rounded edges see only the objects that the cage names.
+    pub isolated: bool,
+    /// The distance within which surfaces occlude, in model units; `None` for any distance.
+    pub sky_distance: Option<f32>,
+    /// The radius of rounded edges, in model units; `None` for the default of a bake.
+    pub bevel_radius: Option<f32>,
+}
+
+/// Points at which a map is compared.
+const POINTS: usize = 10_000;
+/// The same for maps whose values need many rays.
+const POINTS_OF_RAYS: usize = 1_000;
+/// Rays for each of these points.
+const RAYS: u32 = 512;
+/// The distance along the normal within which the scan is looked for, as a fraction of its diagonal.
+const REACH: f64 = 0.02;
+/// The height above the surface at which rays start, as a fraction of the scan's diagonal.
+const OFFSET: f64 = 1e-5;
+
+impl MapCheck<'_> {
+    /// Measures the error of a map: angles in degrees; CIEDE2000; differences of fractions, numbers and curvatures; for
+    /// positions, heights and displacements the distance of the point that they state from the scan, in model units; 1
+    /// or 0 for labels. `None` if no point sees the scan, and for maps that are not of the scan: wireframes.
+    ///
+    /// # Errors
+    /// [`crate::Error::Invalid`] if the mesh has no area.
+    pub fn error(&self, map: &StoredMap<'_>) -> Result<Option<Summary>> {
+        if map.kind == MapKind::Wireframe {
+            return Ok(None);
+        }
+        let count = if needs_rays(map.kind) { POINTS_OF_RAYS } else { POINTS };
+        let point = sample_area(self.low, count)?;
+        let known = Known::of(self, map.kind);
+        let errors = parallel::collect(count, |i| self.error_at(map, (point(i), i as u32), &known));
+        Ok(Field::new(count as u32, 1, errors.into_iter().map(|error| error.unwrap_or(f32::NAN)).collect())?
+            .summary())
+    }
+
+    /// Returns the error at a point; `None` if it does not see the scan.
+    fn error_at(&self, map: &StoredMap<'_>, (point, seed): (Point, u32), known: &Known) -> Option<f32> {
+        let stored = (map.value)(point.uv(self.low, 0));
+        let ray = self.head_on(point)?;
+        let found = self.scan.project(&ray)?;
+        let mesh = self.scan.mesh();
+        let seen = Seen { scan: self.scan, among: ray.among.filter(|_| self.isolated) };
+        let around = Around::of(seen, &found, seed);
+        let angle = |expected: Vec3| {
+            let stored =
+                if map.kind == MapKind::WorldNormal { stored } else { self.in_world(map, point, stored) };
+            Some(angle_deg(stored.to_f64(), expected.to_f64()) as f32)
+        };
+        match map.kind {
+            MapKind::Normal | MapKind::WorldNormal => angle(self.scan.mapped_normal(&found, 0.0).normal),
+            MapKind::Bent => angle(around.open(self.sky_distance)?.1),
+            MapKind::Bevel => angle(known.bevel.as_ref()?.normal(seen, &found, 0)),
+            MapKind::Occlusion => Some((stored.x - around.open(self.sky_distance)?.0).abs()),
+            MapKind::Thickness => Some((stored.x - around.thickness()).abs()),
+            MapKind::Curvature | MapKind::Convexity | MapKind::Concavity => {
+                let curvature =
+                    blend(each(found.point.vertices(mesh), |v| known.curvatures[v]), found.point.weights);
+                Some((stored.x - map.kind.of_curvature(curvature)).abs())
+            }
+            MapKind::Position => self.away(stored),
+            MapKind::Height => {
+                let ray = self.cage.projection_ray(self.low, point);
+                self.away(ray.point + ray.direction * stored.x)
+            }
+            MapKind::VectorDisplacement => {
+                self.away(point.position(self.low) + self.in_world(map, point, stored))
+            }
+            MapKind::Gradient => {
+                Some((stored.x - MapKind::gradient(found.point.position(mesh).y, known.extent)).abs())
+            }
+            MapKind::VertexColor => {
+                let color = if mesh.colors().is_empty() { Vec3::default() } else { found.point.color(mesh) };
+                Some(color_difference(stored.to_array(), color.to_array()) as f32)
+            }
+            MapKind::MaterialId => {
+                Some(is_other(stored, self.scan.surface().material_number(found.point.triangle)))
+            }
+            MapKind::ObjectId => Some(is_other(stored, self.scan.object_number(found.point.triangle))),
+            MapKind::Albedo
+            | MapKind::Emission
+            | MapKind::Roughness
+            | MapKind::MetallicRoughness
+            | MapKind::Alpha
+            | MapKind::OcclusionMap
+            | MapKind::Wireframe => None,
+        }
+    }
+
+    /// Returns the ray of a viewer who looks at a point along the normal of its triangle.
+    fn head_on(&self, point: Point) -> Option<ProjectionRay<'_>> {
+        let ray = self.cage.projection_ray(self.low, point);
+        let facet = facet_normal(self.low.corners(point.triangle as usize))?;
+        let direction = if facet.dot(ray.direction) < 0.0 { -facet } else { facet };
+        let distance = (self.scan.mesh().diagonal() * REACH) as f32;
+        Some(ProjectionRay { direction, distance, ..ray })
+    }
+
+    /// Returns the distance from a position to the scan.
+    fn away(&self, position: Vec3) -> Option<f32> {
+        Some(self.scan.bvh().closest(position, f32::INFINITY)?.distance)
+    }
+
+    /// Returns a vector of a map in world space.
+    fn in_world(&self, map: &StoredMap<'_>, point: Point, v: Vec3) -> Vec3 {
+        if map.space == NormalSpace::Object {
+            return v;
+        }
+        let TangentFrame { normal, tangent, handedness } = point.frame(self.low);
+        let n = normal.normalize_or(Vec3::new(0.0, 0.0, 1.0));
+        let t = (tangent - n * n.dot(tangent)).normalize_or(n.any_perpendicular());
+        t * v.x + n.cross(t) * (v.y * handedness) + n * v.z
+    }
+}
+
+/// Returns 1 for a label other than `number`.
+fn is_other(stored: Vec3, number: usize) -> f32 {
+    f32::from(u8::from(stored.x != number as f32))
+}
+
+/// Returns `true` if a value of the map is an integral over directions.
+fn needs_rays(kind: MapKind) -> bool {
+    matches!(kind, MapKind::Occlusion | MapKind::Bent | MapKind::Thickness | MapKind::Bevel)
+}
+
+/// Values that all points share.
+struct Known {
+    /// The curvature at the scan's vertices, for maps of it.
+    curvatures: Vec<f32>,
+    bevel: Option<Bevel>,
+    /// The scan's lowest and highest y.
+    extent: [f32; 2],
+}
+
+impl Known {
+    fn of(check: &MapCheck<'_>, kind: MapKind) -> Self {
+        let mesh = check.scan.mesh();
+        let is_curvature = kind.planes() == MapKind::Curvature.planes();
+        Self {
+            curvatures: if is_curvature { mean_curvatures(mesh) } else { Vec::new() },
+            extent: mesh.vertical_extent(),
+            bevel: (kind == MapKind::Bevel).then(|| Bevel::of_scan(mesh, check.bevel_radius, (RAYS, 1))),
+        }
+    }
+}
+
+/// The surroundings of a point of the scan, along directions that are spread by the cosine to its normal.
+struct Around<'a> {
+    seen: Seen<'a>,
+    position: Vec3,
+    normal: Vec3,
+    facet: Vec3,
+    offset: f32,
+    seed: u32,
+}
+
+impl<'a> Around<'a> {
+    fn of(seen: Seen<'a>, found: &Correspondence, seed: u32) -> Self {
+        let mesh = seen.scan.mesh();
+        let facet = facet_normal(mesh.corners(found.point.triangle as usize)).unwrap_or(found.normal);
+        Self {
+            seen,
+            position: found.point.position(mesh),
+            normal: found.normal,
+            facet: if facet.dot(found.normal) < 0.0 { -facet } else { facet },
+            offset: (mesh.diagonal() * OFFSET) as f32,
+            seed,
+        }
+    }
+
+    /// Returns directions around the normal whose density is their cosine.
+    ///
+    /// Source: Malley's method, as in Pharr et al. 2023, "Physically Based Rendering", §A.5.3.
+    fn directions(&self) -> impl Iterator<Item = Vec3> {
+        let points = integration::Sequence::new(self.seed);
+        let tangent = self.normal.any_perpendicular();
+        let bitangent = self.normal.cross(tangent);
+        (0..RAYS).map(move |i| {
+            let [u, v, ..] = points.four(i, 0).map(f64::from);
+            let (radius, angle) = (u.sqrt(), std::f64::consts::TAU * v);
+            let [x, y, z] = [radius * scalar::cos(angle), radius * scalar::sin(angle), (1.0 - u).sqrt()];
+            tangent * x as f32 + bitangent * y as f32 + self.normal * z as f32
+        })
+    }
+
+    /// Returns the open share of the hemisphere and the sum of the open directions; `None` if all of it is below the
+    /// triangle.
+    fn open(&self, distance: Option<f32>) -> Option<(f32, Vec3)> {
+        let origin = self.position + self.facet * self.offset;
+        let (mut looked, mut open, mut sum) = (0u32, 0u32, Vec3::default());
+        for direction in self.directions().filter(|direction| direction.dot(self.facet) > 0.0) {
+            looked += 1;
+            let ray = Ray::new(origin, direction);
+            let reach = distance.unwrap_or(f32::INFINITY);
+            if !self.seen.scan.bvh().occluded(&ray, reach, |hit| self.seen.has(hit)) {
+                open += 1;
+                sum += direction;
+            }
+        }
+        let direction = sum.normalize_or(self.normal);
+        (looked > 0).then(|| (open as f32 / looked as f32, direction))
+    }
+
+    /// Returns the mean distance to the surface behind the point; 0 if there is none.
+    fn thickness(&self) -> f32 {
+        let below = self.position - self.facet * self.offset;
+        let (mut met, mut sum) = (0u32, 0.0f64);
+        for direction in self.directions().filter(|direction| direction.dot(self.facet) > 0.0) {
+            let ray = Ray::new(below, -direction);
+            let hit = self.seen.scan.bvh().nearest_of(&ray, f32::INFINITY, |hit| self.seen.has(hit));
+            if let Some(hit) = hit {
+                met += 1;
+                sum += f64::from(hit.distance + self.offset);
+            }
+        }
+        if met == 0 { 0.0 } else { (sum / f64::from(met)) as f32 }
+    }
+}

@@ -1,0 +1,203 @@
+//! The errors of maps: small for what was baked, and as large as the fault for maps that were spoiled.
+
+use std::sync::Arc;
+use taotie_engine::bake::{
+    BakeInput, BakeSettings, BakedMaps, Cage, CageGroups, MapKind, Maps, Plane, Scan, UvIndex, bake,
+};
+use taotie_engine::math::{Mat4, Vec2, Vec3};
+use taotie_engine::mesh::{Mesh, MeshData};
+use taotie_engine::progress::Progress;
+use taotie_engine::proof::{MapCheck, StoredMap};
+use taotie_engine::scene::{Instance, Material, NormalSpace, Scene, SceneData};
+use taotie_engine::surface::with_frames;
+
+const SIDE: u32 = 128;
+
+/// A ball with bumps, its colours along x.
+fn bumpy() -> Mesh {
+    let data = Mesh::sphere(1.0, 192, 96).into_data();
+    let bump = |p: &Vec3| 1.0 + 0.08 * (8.0 * p.x).sin() * (8.0 * p.y).sin() * (8.0 * p.z).sin();
+    let positions: Vec<Vec3> = data.positions.iter().map(|p| *p * bump(p)).collect();
+    let colors = positions.iter().map(|p| [p.x * 0.5 + 0.5, 0.5, 0.2, 1.0]).collect();
+    let bare = MeshData { positions, colors, normals: Vec::new(), tangents: Vec::new(), ..data };
+    with_frames(&Mesh::new(bare).unwrap(), 0, None).unwrap().0.into_owned()
+}
+
+/// A scan of these meshes, each an object with its own material.
+fn scan(meshes: Vec<Mesh>) -> Scan {
+    let instances =
+        (0..meshes.len()).map(|i| Instance { mesh: i, material: i, world_from_object: Mat4::IDENTITY });
+    let (instances, materials) = (instances.collect(), vec![Material::default(); meshes.len()]);
+    Scan::new(Scene::new(SceneData { meshes, instances, materials, ..SceneData::default() }).unwrap())
+        .unwrap()
+}
+
+fn low(radius: f64) -> Mesh {
+    with_frames(&Mesh::sphere(radius, 32, 16), 0, None).unwrap().0.into_owned()
+}
+
+fn baked(low: &Mesh, (scan, cage): (&Scan, &Cage), settings: BakeSettings) -> BakedMaps {
+    let settings = BakeSettings { size: [SIDE; 2], ..settings };
+    bake(BakeInput { low, cage, scan }, &settings, Progress::SILENT).unwrap().maps
+}
+
+/// Returns the value of a plane in the texel at a uv.
+fn value(maps: &BakedMaps, plane: Plane, uv: Vec2) -> Vec3 {
+    let [x, y] = [uv.x, uv.y].map(|v| ((v * SIDE as f32) as usize).min(SIDE as usize - 1));
+    let i = y * SIDE as usize + x;
+    match plane.channels() {
+        3 => Vec3::from_array(maps.vectors(plane)[i]),
+        _ => Vec3::splat(maps.numbers(plane)[i]),
+    }
+}
+
+const KINDS: [MapKind; 15] = [
+    MapKind::Occlusion,
+    MapKind::Height,
+    MapKind::Bent,
+    MapKind::Curvature,
+    MapKind::Convexity,
+    MapKind::Concavity,
+    MapKind::Position,
+    MapKind::Gradient,
+    MapKind::WorldNormal,
+    MapKind::Thickness,
+    MapKind::VertexColor,
+    MapKind::MaterialId,
+    MapKind::ObjectId,
+    MapKind::Bevel,
+    MapKind::VectorDisplacement,
+];
+
+#[test]
+fn errors_are_small_and_spoiled_maps_are_found() {
+    let (scan, low) = (scan(vec![bumpy()]), low(1.0));
+    let cage = Cage::automatic(&low, &scan);
+    let settings =
+        BakeSettings { maps: KINDS.into_iter().collect(), sky_rays: 64, ..BakeSettings::default() };
+    let maps = baked(&low, (&scan, &cage), settings.clone());
+    let of_sky = Maps::default().with(MapKind::Occlusion);
+    let near = BakeSettings { sky_distance: Some(0.05), maps: of_sky, ..settings };
+    let near = baked(&low, (&scan, &cage), near);
+    let extent = scan.mesh().vertical_extent();
+    let check = MapCheck {
+        low: &low,
+        cage: &cage,
+        scan: &scan,
+        isolated: false,
+        sky_distance: None,
+        bevel_radius: None,
+    };
+    let stored = |kind: MapKind, maps: &BakedMaps, uv: Vec2| {
+        let v = value(maps, kind.planes()[0], uv);
+        match kind {
+            MapKind::Convexity | MapKind::Concavity => Vec3::splat(kind.of_curvature(v.x)),
+            MapKind::Gradient => Vec3::splat(MapKind::gradient(v.y, extent)),
+            _ => v,
+        }
+    };
+    let error = |kind: MapKind, value: &(dyn Fn(Vec2) -> Vec3 + Sync)| {
+        let map = StoredMap { kind, space: NormalSpace::Tangent, value };
+        check.error(&map).unwrap().expect("all of it sees the scan").mean
+    };
+    // Each error, and that of the map moved by three texels.
+    let moved = 3.0 / SIDE as f32;
+    let mut faults = Vec::new();
+    for kind in KINDS {
+        let own = error(kind, &|uv| stored(kind, &maps, uv));
+        let spoiled = error(kind, &|uv| stored(kind, &maps, Vec2::new((uv.x + moved).min(1.0), uv.y)));
+        println!("{kind:?}: {own:.5}, moved {spoiled:.5}");
+        let most = match kind {
+            MapKind::Occlusion => 0.004,
+            MapKind::Height | MapKind::VectorDisplacement => 0.004,
+            MapKind::Bent | MapKind::WorldNormal | MapKind::Bevel => 2.5,
+            MapKind::Curvature | MapKind::Convexity | MapKind::Concavity => 0.4,
+            MapKind::Position => 0.0003,
+            MapKind::Gradient => 0.004,
+            MapKind::Thickness => 0.01,
+            MapKind::VertexColor => 0.3,
+            _ => 0.0,
+        };
+        // A position elsewhere on the scan is still on it; the nearest texel of a gradient is a step away.
+        let is_tied =
+            matches!(kind, MapKind::Position | MapKind::Gradient | MapKind::MaterialId | MapKind::ObjectId);
+        let is_seen = is_tied || spoiled > 2.5 * own;
+        if own > most || !is_seen {
+            faults.push(format!("{kind:?}: {own}, at most {most}; moved: {spoiled}"));
+        }
+    }
+    assert!(faults.is_empty(), "{faults:#?}");
+    // A fault is as large as it is.
+    let nearby = error(MapKind::Occlusion, &|uv| stored(MapKind::Occlusion, &near, uv));
+    assert!(nearby > 0.008, "occlusion within another distance: {nearby}");
+    let higher = error(MapKind::Height, &|uv| stored(MapKind::Height, &maps, uv) + Vec3::splat(0.01));
+    assert!((higher / 0.01 - 1.0).abs() < 0.1, "{higher}");
+    let shifted = error(MapKind::Position, &|uv| stored(MapKind::Position, &maps, uv) * 1.02);
+    assert!((shifted / 0.02 - 1.0).abs() < 0.1, "{shifted}");
+    assert_eq!(error(MapKind::MaterialId, &|_| Vec3::splat(7.0)), 1.0);
+    let map =
+        StoredMap { kind: MapKind::Wireframe, space: NormalSpace::Tangent, value: &|_| Vec3::default() };
+    assert!(check.error(&map).unwrap().is_none(), "wireframes are not of the scan");
+}
+
+#[test]
+fn isolated_objects_are_not_shaded_by_others() {
+    let shell = |radius: f64| with_frames(&Mesh::sphere(radius, 96, 48), 0, None).unwrap().0.into_owned();
+    let (scan, low) = (scan(vec![shell(1.0), shell(1.3)]), low(1.0));
+    let groups = CageGroups {
+        of_triangle: vec![Some(0); low.triangles().len()],
+        of_object: Arc::from([Some(0), Some(1)].as_slice()),
+    };
+    let cage = Cage::automatic_in(&low, &scan, Some(Arc::new(groups)));
+    let maps = [MapKind::Occlusion, MapKind::Thickness].into_iter().collect();
+    let of = |isolated: bool| {
+        let maps = baked(&low, (&scan, &cage), BakeSettings { maps, isolated, ..BakeSettings::default() });
+        let check = MapCheck {
+            low: &low,
+            cage: &cage,
+            scan: &scan,
+            isolated,
+            sky_distance: None,
+            bevel_radius: None,
+        };
+        let value = |uv: Vec2| value(&maps, Plane::Occlusion, uv);
+        let map = StoredMap { kind: MapKind::Occlusion, space: NormalSpace::Tangent, value: &value };
+        let error = check.error(&map).unwrap().unwrap();
+        let open = maps.covered(Plane::Occlusion);
+        (open.iter().sum::<f32>() / open.len() as f32, error.max, maps.covered(Plane::Thickness))
+    };
+    let [(shut, error, thickness), (open, own_error, own_thickness)] = [false, true].map(of);
+    assert!(shut < 0.001 && error < 0.05, "{shut}: the outer shell hides the sky; {error}");
+    assert!(open > 0.98 && own_error < 0.05, "{open}, {own_error}");
+    // Below the inner shell, there is only its own other side.
+    assert!(thickness == own_thickness);
+}
+
+#[test]
+fn points_of_the_same_uv_correspond_wherever_they_are() {
+    let away = |mesh: Mesh| {
+        let data = mesh.into_data();
+        let positions = data.positions.iter().map(|p| *p + Vec3::new(9.0, 0.0, 0.0)).collect();
+        Mesh::new(MeshData { positions, ..data }).unwrap()
+    };
+    let low = low(1.0);
+    let maps = [MapKind::WorldNormal, MapKind::VertexColor].into_iter().collect();
+    let of = |scan: &Scan, cage: &Cage| {
+        baked(&low, (scan, cage), BakeSettings { maps, ..BakeSettings::default() })
+    };
+    let (here, there) = (scan(vec![bumpy()]), scan(vec![away(bumpy())]));
+    let uvs = Some(Arc::new(UvIndex::of(there.mesh()).unwrap()));
+    let by_uv = of(&there, &Cage::automatic(&low, &there).with_uvs(uvs));
+    assert!(by_uv.texels.iter().all(|texel| *texel != taotie_engine::bake::TexelStatus::Lost));
+    let by_ray = of(&here, &Cage::automatic(&low, &here));
+    let apart = |plane: Plane| {
+        let pairs = by_uv.vectors(plane).iter().zip(by_ray.vectors(plane));
+        let apart = pairs.map(|(a, b)| f64::from((Vec3::from_array(*a) - Vec3::from_array(*b)).length()));
+        apart.sum::<f64>() / f64::from(SIDE * SIDE)
+    };
+    // Both are the same parametrisation of a sphere, so rays from the centre meet the same uv.
+    let [normals, colors] = [Plane::WorldNormal, Plane::VertexColor].map(apart);
+    assert!(normals < 0.02 && colors < 0.003, "{normals}, {colors}");
+    let bare = Mesh::new(MeshData { uvs: Vec::new(), tangents: Vec::new(), ..bumpy().into_data() }).unwrap();
+    assert!(UvIndex::of(&bare).unwrap_err().to_string().contains("no uvs to match"));
+}
