@@ -57,6 +57,10 @@ bench-bake: $(BENCH_VENV)/ready ## Compare bakes of Taotie and Blender, for docs
 	$(if $(TAOTIE),,cargo build --release -p taotie-cli)
 	PYTHONPATH=benches/common $(BENCH_VENV)/bin/python benches/bake/bench.py $(if $(TAOTIE),--taotie $(TAOTIE)) $(BENCH)
 
+bench-maps: $(BENCH_VENV)/ready ## Compare maps of Taotie with Blender's and with rays by Embree, for docs/benchmarks.md
+	$(if $(TAOTIE),,cargo build --release -p taotie-cli)
+	PYTHONPATH=benches/common $(BENCH_VENV)/bin/python benches/bake/maps.py $(if $(TAOTIE),--taotie $(TAOTIE)) $(BENCH)
+
 $(BENCH_VENV)/ready: benches/bake/requirements.txt
 	$(PYTHON) -m venv $(BENCH_VENV)
 	$(BENCH_VENV)/bin/pip install --quiet --requirement $< || \

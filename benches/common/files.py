@@ -111,9 +111,12 @@ def write_parts(path, parts, images=(), extra=None):
     primitives = [buffer.primitive(*part[:2], material=number) for number, part in enumerate(parts)]
     document = gltf([material for _, _, material in parts], buffer.accessors, buffer.views, primitives)
     document |= textures([{"bufferView": buffer.view(image), "mimeType": "image/png"} for image in images])
-    blob = buffer.bytes
-    document["buffers"] = [{"byteLength": len(blob)}]
-    text = json.dumps(document | (extra or {})).encode()
+    write_document(path, document | (extra or {}), buffer.bytes)
+
+
+def write_document(path, document, blob):
+    """A GLB of this JSON, as a dictionary without the buffer, and these bytes."""
+    text = json.dumps(document | {"buffers": [{"byteLength": len(blob)}]}).encode()
     text += b" " * (-len(text) % 4)
     with written(path) as file:
         file.write(struct.pack("<4sII", b"glTF", 2, 28 + len(text) + len(blob)))
