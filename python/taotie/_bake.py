@@ -376,7 +376,8 @@ def bake(
     samples : int
         Samples per texel, a square number.
     bits : {8, 16, 32}
-        Bits per channel of normal maps; 8-bit maps are dithered if banding would be visible.
+        Bits per channel of normal maps; 8-bit maps are dithered if banding would be visible. 32 stores all maps as floats, for
+        ``asset.save("normal.exr")`` or ``.tiff``.
     dilation : int or "auto"
         Padding around UV islands, texels; auto fills the map.
     ao_rays : int

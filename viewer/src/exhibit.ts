@@ -114,7 +114,8 @@ export class Showing {
     private readonly scene = new Scene();
     readonly meshes: Mesh[];
     private readonly wires: LineSegments[] = [];
-    private rays: LineSegments[] | undefined;
+    private readonly rays: LineSegments[] = [];
+    private loading: Promise<LineSegments[]> | undefined;
     private shadow: ShadowMap | undefined;
 
     constructor(private readonly exhibit: Exhibit) {
@@ -150,7 +151,7 @@ export class Showing {
         const areShown = this.wires.some(({ visible }) => visible);
         // Lines cast no shadows.
         this.showWires(false);
-        const rays = this.rays?.filter(({ visible }) => visible) ?? [];
+        const rays = this.rays.filter(({ visible }) => visible);
         for (const lines of rays) lines.visible = false;
         this.shadow.cast(renderer, to, (camera) => renderer.render(scene, camera));
         this.showWires(areShown);
@@ -165,11 +166,15 @@ export class Showing {
     }
 
     private async showRays(shown: boolean): Promise<void> {
-        if (shown && !this.rays) {
-            this.rays = await this.exhibit.rays();
-            if (this.rays.length > 0) this.scene.add(...this.rays);
+        if (shown) {
+            this.loading ??= this.exhibit.rays();
+            const loaded = await this.loading;
+            if (this.rays.length === 0 && loaded.length > 0) {
+                this.rays.push(...loaded);
+                this.scene.add(...loaded);
+            }
         }
-        for (const lines of this.rays ?? []) lines.visible = shown;
+        for (const lines of this.rays) lines.visible = shown;
     }
 
     private showWires(shown: boolean): void {

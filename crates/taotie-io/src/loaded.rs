@@ -176,9 +176,4 @@ impl Objects {
         let of_instances = instances.into_iter().map(number).collect();
         Self { names, of_instances }
     }
-
-    /// Returns the name of the object of each instance.
-    pub fn names_of_instances(&self) -> Vec<&str> {
-        self.of_instances.iter().map(|object| self.names[*object as usize].as_str()).collect()
-    }
 }

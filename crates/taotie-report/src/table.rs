@@ -132,7 +132,7 @@ pub fn summary_text(summary: &Summary, digits: usize, unit: &str) -> String {
 }
 
 /// Returns the mean, p95 and maximum of a map's errors; lengths are in the unit of the figures.
-pub fn map_error_texts(MapError { unit, summary }: &MapError, of_figures: Option<Unit>) -> [String; 3] {
+pub fn map_error_texts(MapError { unit, summary, .. }: &MapError, of_figures: Option<Unit>) -> [String; 3] {
     let text = |value: f64| match unit.as_str() {
         "" => significant(value, 3),
         "°" => format!("{}°", significant(value, 3)),

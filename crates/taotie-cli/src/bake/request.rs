@@ -141,10 +141,15 @@ impl BakeArgs {
 
     /// Rejects 16-bit maps in an 8-bit file format.
     fn check_depth(&self) -> Result<()> {
-        let Some(format) = self.map_format() else { return Ok(()) };
+        let Some(format) = self.map_format() else {
+            if self.bits() == 32 {
+                bail!("--bits 32: a model stores no floats; write standalone maps as .tiff or .exr");
+            }
+            return Ok(());
+        };
         let (maps, name) = (self.maps(), format.name());
-        match maps.iter().find(|map| map.content() == MapContent::Length) {
-            _ if format == MapFormat::Exr && self.bits.is_some() => {
+        match maps.iter().find(|map| map.is_fine()) {
+            _ if format == MapFormat::Exr && !matches!(self.bits.as_deref(), None | Some("32")) => {
                 bail!("--bits: an .exr stores floats; leave it out, or write a .png")
             }
             _ if self.bits() == 32 && format.bits() < 32 => {

@@ -297,7 +297,11 @@ fn map_errors(report: &Report) -> Vec<[String; 2]> {
     for (note, error) in errors {
         let material = note.material.as_ref().map_or(String::new(), |material| format!(" of {material}"));
         let [mean, p95, max] = map_error_texts(error, report.unit);
-        let text = format!("mean {mean}, p95 {p95}, max {max}");
+        let unseen = match error.unseen {
+            share if share > 0.001 => format!("; {} of the points see no scan", percent(share)),
+            _ => String::new(),
+        };
+        let text = format!("mean {mean}, p95 {p95}, max {max}{unseen}");
         rows.push([format!("error of {}{material}", note.map.name()), text]);
     }
     rows

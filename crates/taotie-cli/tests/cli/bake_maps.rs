@@ -162,7 +162,7 @@ fn materials_have_maps_of_their_own_size() {
     let unknown = place.taotie(&format!("{line} --sizes gold=32")).assert().code(2);
     let said = String::from_utf8_lossy(&unknown.get_output().stderr).into_owned();
     assert!(
-        said.contains("the size of gold: the low-poly mesh has no such material; it has cloth, iron, wood"),
+        said.contains("the size of gold: the low-poly mesh has no such maps; it has cloth, iron, wood"),
         "{said}"
     );
     let wrong = place.taotie(&format!("{line} --sizes wood=8")).assert().code(2);

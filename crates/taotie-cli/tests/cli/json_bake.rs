@@ -519,7 +519,12 @@ fn of_a_pair() {
     assert_eq!(proof.unseen, ["colour and material, which the scan does not specify"]);
     assert_eq!((bake.unproved_maps, bake.floor_8_bit), (Vec::<String>::new(), Some([0.17, 0.38])));
     let error = height.error.as_ref().expect("it is measured");
-    assert!(error.unit == "model units" && error.mean < 0.001 && error.max < 0.05, "{} {}", error.mean, error.max);
+    assert!(
+        error.unit == "model units" && error.mean < 0.001 && error.max < 0.05,
+        "{} {}",
+        error.mean,
+        error.max
+    );
     assert!(proof.parts.is_empty() && normal.material.is_none(), "there is one material");
     assert_eq!(proof.bytes_out as usize, place.read("out.glb").len());
     let certificate = report.certificate.expect("it was measured");

@@ -121,6 +121,11 @@ impl Appearance {
         self.part(triangle).material
     }
 
+    /// Returns the number of parts.
+    pub fn part_count(&self) -> usize {
+        self.parts.len()
+    }
+
     /// Returns the index of a triangle's part.
     pub fn part_number(&self, triangle: u32) -> usize {
         self.parts.partition_point(|part| part.triangle <= triangle) - 1

@@ -100,6 +100,11 @@ impl Cage {
         Self { uvs, ..self }
     }
 
+    /// Returns `true` if points of the same uv correspond.
+    pub fn matches_uvs(&self) -> bool {
+        self.uvs.is_some()
+    }
+
     /// Finds the distances: from points all over each triangle, searches for the scan along the directions and for
     /// its closest point; each vertex gets twice the largest gap of the triangles around it.
     pub fn automatic(low: &Mesh, scan: &Scan) -> Self {
@@ -283,7 +288,7 @@ impl RayPreview {
     /// Follows `count` rays from points spread evenly over a low-poly mesh; none if it has no area. If points of the same
     /// uv correspond, a ray leads to that point.
     pub fn of(low: &Mesh, cage: &Cage, (scan, count): (&Scan, usize)) -> Self {
-        let Ok(point) = sample_area(low, count) else { return Self::default() };
+        let Ok(point) = sample_area(low, count.max(1)) else { return Self::default() };
         let rays = parallel::collect(count, |i| {
             let ray = cage.projection_ray(low, point(i));
             let found = scan.project(&ray);

@@ -160,6 +160,11 @@ impl MapKind {
         }
     }
 
+    /// Returns `true` if its numbers need 16 bits.
+    pub const fn is_fine(self) -> bool {
+        matches!(self, Self::Gradient) || matches!(self.content(), MapContent::Length)
+    }
+
     /// Returns the value of a map of curvature.
     pub fn of_curvature(self, curvature: f32) -> f32 {
         match self {

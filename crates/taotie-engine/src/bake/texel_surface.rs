@@ -221,11 +221,13 @@ impl UvTriangle {
     }
 }
 
-/// The triangles of a mesh by their first uvs.
+/// The triangles of a mesh by their first uvs, which repeat beyond the map.
 pub struct UvIndex {
-    /// Each triangle at (u, v, 0).
+    /// Each triangle with uv area at (u, v, 0), moved so that its middle is on the map.
     bvh: Bvh,
-    /// The position of each corner.
+    /// Their numbers in the mesh.
+    numbers: Vec<u32>,
+    /// The positions of their corners.
     corners: Vec<[Vec3; 3]>,
 }
 
@@ -239,32 +241,52 @@ impl UvIndex {
     /// Indexes all triangles.
     ///
     /// # Errors
-    /// [`Error::Invalid`] if the mesh has no uvs.
+    /// [`Error::Invalid`] if the mesh has no uvs, or none of its triangles has uv area.
     pub fn of(mesh: &Mesh) -> Result<Self> {
-        let Some(uvs) = mesh.uvs().first() else {
-            return Err(Error::invalid(
-                "the scan",
-                "it has no uvs to match; give it those of the low-poly mesh",
-            ));
+        let wrong =
+            |why: &str| Error::invalid("the scan", format!("{why}; give it those of the low-poly mesh"));
+        let Some(uvs) = mesh.uvs().first() else { return Err(wrong("it has no uvs to match")) };
+        let placed = |t: usize| -> Option<[Vec3; 3]> {
+            let [a, b, c] = mesh.triangles()[t].map(|v| uvs[v as usize]);
+            let has_area = (b.x - a.x) * (c.y - a.y) != (b.y - a.y) * (c.x - a.x);
+            let middle = (a + b + c) * (1.0 / 3.0);
+            let tile = Vec2::new(middle.x.floor(), middle.y.floor());
+            let at = |uv: Vec2| Vec3::new(uv.x - tile.x, uv.y - tile.y, 0.0);
+            has_area.then(|| [a, b, c].map(at))
         };
-        let place = |v: u32| Vec3::new(uvs[v as usize].x, uvs[v as usize].y, 0.0);
-        let count = mesh.triangles().len();
-        let bvh = Bvh::of(count, |t| mesh.triangles()[t].map(place));
-        Ok(Self { bvh, corners: (0..count).map(|t| mesh.corners(t)).collect() })
-    }
-
-    /// Returns the point at this uv; if triangles overlap, of the first.
-    fn first(&self, uv: Vec2) -> Option<Point> {
-        Some(self.bvh.nearest(&Self::line(uv), f32::INFINITY)?.point())
+        let (numbers, places): (Vec<u32>, Vec<[Vec3; 3]>) =
+            (0..mesh.triangles().len()).filter_map(|t| Some((t as u32, placed(t)?))).unzip();
+        if numbers.is_empty() {
+            return Err(wrong("none of its uvs has area"));
+        }
+        let corners = numbers.iter().map(|t| mesh.corners(*t as usize)).collect();
+        Ok(Self { bvh: Bvh::of(places.len(), |t| places[t]), numbers, corners })
     }
 
     /// Returns the point at this uv; if triangles overlap, the closest to a position. Away from all triangles, it is the point
     /// of the nearest one, at most 0.005 away.
     pub fn closest(&self, uv: Vec2, position: Vec3) -> Option<Point> {
         const NEAR: f32 = 0.005;
+        let uv = Vec2::new(uv.x - uv.x.floor(), uv.y - uv.y.floor());
+        // Triangles on the border of the map reach beyond it.
+        let copies = [0.0, 1.0, -1.0].map(|y| [0.0, 1.0, -1.0].map(|x| Vec2::new(uv.x + x, uv.y + y)));
+        let copies = || copies.as_flattened().iter();
+        let hits = copies().filter_map(|uv| self.closest_hit(*uv, position));
+        let best = hits.reduce(|a, b| if b.0 < a.0 { b } else { a }).map(|(_, point)| point);
+        let nearest = || {
+            let places = copies().filter_map(|uv| self.bvh.closest(Vec3::new(uv.x, uv.y, 0.0), NEAR));
+            places.reduce(|a, b| if b.distance < a.distance { b } else { a }).map(|place| place.point())
+        };
+        let Point { triangle, weights } = best.or_else(nearest)?;
+        Some(Point { triangle: self.numbers[triangle as usize], weights })
+    }
+
+    /// Returns the hit at a uv that is closest to a position, and its distance.
+    fn closest_hit(&self, uv: Vec2, position: Vec3) -> Option<(f32, Point)> {
+        let line = Ray::new(Vec3::new(uv.x, uv.y, -1.0), Vec3::new(0.0, 0.0, 1.0));
         let closest = Cell::new(None::<(f32, Point)>);
         // All hits are visited, since none is accepted.
-        self.bvh.nearest_of(&Self::line(uv), f32::INFINITY, |hit| {
+        self.bvh.nearest_of(&line, f32::INFINITY, |hit| {
             let point = hit.point();
             let away = (blend(self.corners[point.triangle as usize], point.weights) - position).length();
             if closest.get().is_none_or(|(least, _)| away < least) {
@@ -272,18 +294,14 @@ impl UvIndex {
             }
             false
         });
-        let nearest = || Some(self.bvh.closest(Vec3::new(uv.x, uv.y, 0.0), NEAR)?.point());
-        closest.get().map(|(_, point)| point).or_else(nearest)
-    }
-
-    fn line(uv: Vec2) -> Ray {
-        Ray::new(Vec3::new(uv.x, uv.y, -1.0), Vec3::new(0.0, 0.0, 1.0))
+        closest.get()
     }
 }
 
 /// The first uv set of a scene as a flat mesh whose points map to a position and normal.
 pub struct UvLookup {
-    index: UvIndex,
+    /// Each triangle at (u, v, 0).
+    bvh: Bvh,
     surface: TexturedMesh,
 }
 
@@ -291,18 +309,22 @@ impl UvLookup {
     /// Indexes all triangles of `scene` by their first uvs. Meshes without uvs are skipped.
     ///
     /// # Errors
-    /// [`Error::Invalid`] if no mesh has uvs; [`Error::Limit`] if the scene has more than 2^32 − 1 vertices.
+    /// [`Error::Limit`] if the scene has more than 2^32 − 1 vertices.
     pub fn new(scene: &Scene) -> Result<Self> {
         let mut scene = scene.clone().into_data();
         scene.instances.retain(|instance| !scene.meshes[instance.mesh].uvs().is_empty());
         let surface = TexturedMesh::new(Scene::new(scene)?)?;
-        Ok(Self { index: UvIndex::of(surface.mesh())?, surface })
+        let mesh = surface.mesh();
+        let place = |v: u32| Vec3::new(mesh.uvs()[0][v as usize].x, mesh.uvs()[0][v as usize].y, 0.0);
+        let bvh = Bvh::of(mesh.triangles().len(), |t| mesh.triangles()[t].map(place));
+        Ok(Self { bvh, surface })
     }
 
     /// Returns the position and the unit normal (world space) at this uv, with normal and height maps read at their
     /// finest level; if triangles overlap, of the first. `None` if there is none.
     pub fn at(&self, uv: Vec2) -> Option<(Vec3, Vec3)> {
-        let point = self.index.first(uv)?;
+        let ray = Ray::new(Vec3::new(uv.x, uv.y, -1.0), Vec3::new(0.0, 0.0, 1.0));
+        let point = self.bvh.nearest(&ray, f32::INFINITY)?.point();
         let mesh = self.surface.mesh();
         let normal = self.surface.normal(LookupPoint::finest(point), point.normal(mesh)).normal;
         Some((point.position(mesh), normal))

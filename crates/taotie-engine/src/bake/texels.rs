@@ -446,6 +446,8 @@ impl Job<'_> {
 /// triangles, weighted by area. Edges where normals are split do not count.
 /// Source: Theisel et al. 2004, "Normal based estimation of the curvature tensor for triangular meshes".
 pub(crate) fn mean_curvatures(mesh: &Mesh) -> Vec<f32> {
+    /// The height of a triangle, as a fraction of its longest edge, below which its normal is noise.
+    const THINNEST: f64 = 1e-5;
     let mut sums = vec![(0.0f64, 0.0f64); mesh.positions().len()];
     for (t, triangle) in mesh.triangles().iter().enumerate() {
         let corners = mesh.corners(t).map(Vec3::to_f64);
@@ -453,7 +455,8 @@ pub(crate) fn mean_curvatures(mesh: &Mesh) -> Vec<f32> {
         // Twice the area.
         let across = (b - a).cross(c - a);
         let area = across.length();
-        if area <= 0.0 {
+        let longest = [b - a, c - b, a - c].into_iter().fold(0.0, |most: f64, edge| most.max(edge.dot(edge)));
+        if area <= longest * THINNEST {
             continue;
         }
         let spread = |k: usize| {
@@ -462,7 +465,7 @@ pub(crate) fn mean_curvatures(mesh: &Mesh) -> Vec<f32> {
             normal.dot(across.cross(opposite)) / area
         };
         // Twice the area times the curvature.
-        let bend = (spread(0) + spread(1) + spread(2)) / (2.0 * area) * area;
+        let bend = (spread(0) + spread(1) + spread(2)) / 2.0;
         for v in triangle {
             let (sum, weight) = &mut sums[*v as usize];
             *sum += bend;

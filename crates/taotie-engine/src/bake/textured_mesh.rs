@@ -78,6 +78,11 @@ impl TexturedMesh {
         self.appearance.part_number(triangle)
     }
 
+    /// Returns the number of its parts, one for each instance of the scene.
+    pub fn part_count(&self) -> usize {
+        self.appearance.part_count()
+    }
+
     /// Returns the factors of the first instance's material, used if no surface is found.
     pub(super) fn first_factors(&self) -> MaterialSample {
         self.appearance.first_factors()

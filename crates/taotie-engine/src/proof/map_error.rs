@@ -2,10 +2,10 @@
 //! compared with the scan there, seen head-on.
 //!
 //! Nothing is taken from the rays of the bake: the point of the scan is the one straight along the triangle's normal,
-//! occlusion and thickness are integrated over other directions, and positions, heights and displacements are measured
-//! by their distance from the scan.
+//! occlusion and thickness are integrated over other directions, and heights are measured by the distance from the scan of
+//! the point that they state. Only if points of the same uv correspond, it is that point, which the bake uses too.
 
-use crate::bake::{Bevel, Cage, Correspondence, MapKind, ProjectionRay, Scan, Seen, mean_curvatures};
+use crate::bake::{Bevel, Cage, Correspondence, MapKind, ProjectionRay, Scan, Seen, Target, mean_curvatures};
 use crate::compare::{Field, Summary, angle_deg, color_difference};
 use crate::error::Result;
 use crate::math::{Vec2, Vec3, integration, scalar};
@@ -20,7 +20,9 @@ use crate::trace::Ray;
 pub struct MapError {
     /// The unit: `°`; `ΔE00`; `share` of labels that are another's; a length or its inverse; or nothing.
     pub unit: String,
-    /// The errors.
+    /// The share of the points that do not see the scan and are not compared, [0, 1].
+    pub unseen: f64,
+    /// The errors at the others.
     #[serde(flatten)]
     pub summary: Summary,
 }
@@ -59,28 +61,34 @@ const POINTS: usize = 10_000;
 const POINTS_OF_RAYS: usize = 1_000;
 /// Rays for each of these points.
 const RAYS: u32 = 512;
-/// The distance along the normal within which the scan is looked for, as a fraction of its diagonal.
+/// The distance along the normal within which the scan is looked for at least, as a fraction of its diagonal.
 const REACH: f64 = 0.02;
 /// The height above the surface at which rays start, as a fraction of the scan's diagonal.
 const OFFSET: f64 = 1e-5;
 
 impl MapCheck<'_> {
-    /// Measures the error of a map: angles in degrees; CIEDE2000; differences of fractions, numbers and curvatures; for
-    /// positions, heights and displacements the distance of the point that they state from the scan, in model units; 1
-    /// or 0 for labels. `None` if no point sees the scan, and for maps that are not of the scan: wireframes.
+    /// Measures the error of a map, in `unit`: angles in degrees; CIEDE2000; differences of fractions, numbers and
+    /// curvatures; the distance of positions and displaced points from the point seen, and of points at a height from the
+    /// scan, in model units; 1 or 0 for labels. `None` if no point sees the scan, and for maps that are not of the scan:
+    /// wireframes.
     ///
     /// # Errors
     /// [`crate::Error::Invalid`] if the mesh has no area.
-    pub fn error(&self, map: &StoredMap<'_>) -> Result<Option<Summary>> {
+    pub fn error(&self, map: &StoredMap<'_>, unit: &str) -> Result<Option<MapError>> {
         if map.kind == MapKind::Wireframe {
             return Ok(None);
         }
         let count = if needs_rays(map.kind) { POINTS_OF_RAYS } else { POINTS };
         let point = sample_area(self.low, count)?;
         let known = Known::of(self, map.kind);
-        let errors = parallel::collect(count, |i| self.error_at(map, (point(i), i as u32), &known));
-        Ok(Field::new(count as u32, 1, errors.into_iter().map(|error| error.unwrap_or(f32::NAN)).collect())?
-            .summary())
+        let errors = parallel::collect(count, |i| {
+            self.error_at(map, (point(i), i as u32), &known).unwrap_or(f32::NAN)
+        });
+        let summary = Field::new(count as u32, 1, errors)?.summary();
+        Ok(summary.map(|summary| {
+            let unseen = (count - summary.count) as f64 / count as f64;
+            MapError { unit: unit.to_owned(), unseen, summary }
+        }))
     }
 
     /// Returns the error at a point; `None` if it does not see the scan.
@@ -107,13 +115,16 @@ impl MapCheck<'_> {
                     blend(each(found.point.vertices(mesh), |v| known.curvatures[v]), found.point.weights);
                 Some((stored.x - map.kind.of_curvature(curvature)).abs())
             }
-            MapKind::Position => self.away(stored),
+            MapKind::Position => Some((stored - found.point.position(mesh)).length()),
+            MapKind::Height if ray.target != Target::OnRay => Some((stored.x - found.height).abs()),
             MapKind::Height => {
                 let ray = self.cage.projection_ray(self.low, point);
-                self.away(ray.point + ray.direction * stored.x)
+                let at = ray.point + ray.direction * stored.x;
+                Some(self.scan.bvh().closest(at, f32::INFINITY)?.distance)
             }
             MapKind::VectorDisplacement => {
-                self.away(point.position(self.low) + self.in_world(map, point, stored))
+                let at = ray.point + self.in_world(map, point, stored);
+                Some((at - found.point.position(mesh)).length())
             }
             MapKind::Gradient => {
                 Some((stored.x - MapKind::gradient(found.point.position(mesh).y, known.extent)).abs())
@@ -141,13 +152,10 @@ impl MapCheck<'_> {
         let ray = self.cage.projection_ray(self.low, point);
         let facet = facet_normal(self.low.corners(point.triangle as usize))?;
         let direction = if facet.dot(ray.direction) < 0.0 { -facet } else { facet };
-        let distance = (self.scan.mesh().diagonal() * REACH) as f32;
+        let distance = ray.distance.max((self.scan.mesh().diagonal() * REACH) as f32);
+        // That of the same uv lies in the direction in which heights are stored.
+        let direction = if ray.target == Target::OnRay { direction } else { ray.direction };
         Some(ProjectionRay { direction, distance, ..ray })
-    }
-
-    /// Returns the distance from a position to the scan.
-    fn away(&self, position: Vec3) -> Option<f32> {
-        Some(self.scan.bvh().closest(position, f32::INFINITY)?.distance)
     }
 
     /// Returns a vector of a map in world space.

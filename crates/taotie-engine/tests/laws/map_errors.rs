@@ -23,6 +23,16 @@ fn bumpy() -> Mesh {
     with_frames(&Mesh::new(bare).unwrap(), 0, None).unwrap().0.into_owned()
 }
 
+/// The triangles of a mesh on either side of the plane x = 0.
+fn halves(mesh: &Mesh) -> Vec<Mesh> {
+    let half = |is_right: bool| {
+        let is_own = |t: &usize| (mesh.corners(*t).iter().map(|p| p.x).sum::<f32>() > 0.0) == is_right;
+        let triangles = (0..mesh.triangles().len()).filter(is_own).map(|t| mesh.triangles()[t]).collect();
+        Mesh::new(MeshData { triangles, ..mesh.clone().into_data() }).unwrap()
+    };
+    [true, false].map(half).into()
+}
+
 /// A scan of these meshes, each an object with its own material.
 fn scan(meshes: Vec<Mesh>) -> Scan {
     let instances =
@@ -71,7 +81,7 @@ const KINDS: [MapKind; 15] = [
 
 #[test]
 fn errors_are_small_and_spoiled_maps_are_found() {
-    let (scan, low) = (scan(vec![bumpy()]), low(1.0));
+    let (scan, low) = (scan(halves(&bumpy())), low(1.0));
     let cage = Cage::automatic(&low, &scan);
     let settings =
         BakeSettings { maps: KINDS.into_iter().collect(), sky_rays: 64, ..BakeSettings::default() };
@@ -98,21 +108,25 @@ fn errors_are_small_and_spoiled_maps_are_found() {
     };
     let error = |kind: MapKind, value: &(dyn Fn(Vec2) -> Vec3 + Sync)| {
         let map = StoredMap { kind, space: NormalSpace::Tangent, value };
-        check.error(&map).unwrap().expect("all of it sees the scan").mean
+        let found = check.error(&map, "").unwrap().expect("it sees the scan");
+        assert!(found.unseen < 0.01, "{kind:?}: {}", found.unseen);
+        found.summary.mean
     };
     // Each error, and that of the map moved by three texels.
     let moved = 3.0 / SIDE as f32;
     let mut faults = Vec::new();
     for kind in KINDS {
         let own = error(kind, &|uv| stored(kind, &maps, uv));
-        let spoiled = error(kind, &|uv| stored(kind, &maps, Vec2::new((uv.x + moved).min(1.0), uv.y)));
+        let spoiled = error(kind, &|uv| {
+            stored(kind, &maps, Vec2::new((uv.x + moved).min(1.0), (uv.y + moved).min(1.0)))
+        });
         println!("{kind:?}: {own:.5}, moved {spoiled:.5}");
         let most = match kind {
             MapKind::Occlusion => 0.004,
             MapKind::Height | MapKind::VectorDisplacement => 0.004,
             MapKind::Bent | MapKind::WorldNormal | MapKind::Bevel => 2.5,
             MapKind::Curvature | MapKind::Convexity | MapKind::Concavity => 0.4,
-            MapKind::Position => 0.0003,
+            MapKind::Position => 0.016,
             MapKind::Gradient => 0.004,
             MapKind::Thickness => 0.01,
             MapKind::VertexColor => 0.3,
@@ -121,7 +135,7 @@ fn errors_are_small_and_spoiled_maps_are_found() {
         // A position elsewhere on the scan is still on it; the nearest texel of a gradient is a step away.
         let is_tied =
             matches!(kind, MapKind::Position | MapKind::Gradient | MapKind::MaterialId | MapKind::ObjectId);
-        let is_seen = is_tied || spoiled > 2.5 * own;
+        let is_seen = spoiled > 2.0 * own;
         if own > most || !is_seen {
             faults.push(format!("{kind:?}: {own}, at most {most}; moved: {spoiled}"));
         }
@@ -133,20 +147,20 @@ fn errors_are_small_and_spoiled_maps_are_found() {
     let higher = error(MapKind::Height, &|uv| stored(MapKind::Height, &maps, uv) + Vec3::splat(0.01));
     assert!((higher / 0.01 - 1.0).abs() < 0.1, "{higher}");
     let shifted = error(MapKind::Position, &|uv| stored(MapKind::Position, &maps, uv) * 1.02);
-    assert!((shifted / 0.02 - 1.0).abs() < 0.1, "{shifted}");
+    assert!((0.018..0.03).contains(&shifted), "{shifted}");
     assert_eq!(error(MapKind::MaterialId, &|_| Vec3::splat(7.0)), 1.0);
     let map =
         StoredMap { kind: MapKind::Wireframe, space: NormalSpace::Tangent, value: &|_| Vec3::default() };
-    assert!(check.error(&map).unwrap().is_none(), "wireframes are not of the scan");
+    assert!(check.error(&map, "").unwrap().is_none(), "wireframes are not of the scan");
 }
 
 #[test]
 fn isolated_objects_are_not_shaded_by_others() {
     let shell = |radius: f64| with_frames(&Mesh::sphere(radius, 96, 48), 0, None).unwrap().0.into_owned();
-    let (scan, low) = (scan(vec![shell(1.0), shell(1.3)]), low(1.0));
+    let (scan, low) = (scan(vec![shell(1.0), shell(1.3), shell(0.7)]), low(1.0));
     let groups = CageGroups {
         of_triangle: vec![Some(0); low.triangles().len()],
-        of_object: Arc::from([Some(0), Some(1)].as_slice()),
+        of_object: Arc::from([Some(0), Some(1), Some(2)].as_slice()),
     };
     let cage = Cage::automatic_in(&low, &scan, Some(Arc::new(groups)));
     let maps = [MapKind::Occlusion, MapKind::Thickness].into_iter().collect();
@@ -162,15 +176,17 @@ fn isolated_objects_are_not_shaded_by_others() {
         };
         let value = |uv: Vec2| value(&maps, Plane::Occlusion, uv);
         let map = StoredMap { kind: MapKind::Occlusion, space: NormalSpace::Tangent, value: &value };
-        let error = check.error(&map).unwrap().unwrap();
+        let error = check.error(&map, "").unwrap().unwrap().summary;
         let open = maps.covered(Plane::Occlusion);
         (open.iter().sum::<f32>() / open.len() as f32, error.max, maps.covered(Plane::Thickness))
     };
     let [(shut, error, thickness), (open, own_error, own_thickness)] = [false, true].map(of);
     assert!(shut < 0.001 && error < 0.05, "{shut}: the outer shell hides the sky; {error}");
     assert!(open > 0.98 && own_error < 0.05, "{open}, {own_error}");
-    // Below the inner shell, there is only its own other side.
-    assert!(thickness == own_thickness);
+    // To the innermost shell, or through to its own other side: 4/3 of the radius.
+    let mean = |all: &[f32]| all.iter().sum::<f32>() / all.len() as f32;
+    assert!(mean(&thickness) < 0.9, "{}", mean(&thickness));
+    assert!((mean(&own_thickness) - 4.0 / 3.0).abs() < 0.03, "{}", mean(&own_thickness));
 }
 
 #[test]
@@ -198,6 +214,17 @@ fn points_of_the_same_uv_correspond_wherever_they_are() {
     // Both are the same parametrisation of a sphere, so rays from the centre meet the same uv.
     let [normals, colors] = [Plane::WorldNormal, Plane::VertexColor].map(apart);
     assert!(normals < 0.02 && colors < 0.003, "{normals}, {colors}");
+    // UVs repeat beyond the map.
+    let data = there.mesh().clone().into_data();
+    let shifted = data.uvs[0].iter().map(|uv| Vec2::new(uv.x + 3.0, uv.y - 1.0)).collect();
+    let shifted = Mesh::new(MeshData { uvs: vec![shifted], ..data }).unwrap();
+    let uvs = Some(Arc::new(UvIndex::of(&shifted).unwrap()));
+    let again = of(&there, &Cage::automatic(&low, &there).with_uvs(uvs));
+    let plane = Plane::VertexColor;
+    let pairs = again.vectors(plane).iter().zip(by_uv.vectors(plane));
+    let apart =
+        pairs.map(|(a, b)| (Vec3::from_array(*a) - Vec3::from_array(*b)).length()).fold(0.0, f32::max);
+    assert!(apart < 0.01, "{apart}");
     let bare = Mesh::new(MeshData { uvs: Vec::new(), tangents: Vec::new(), ..bumpy().into_data() }).unwrap();
     assert!(UvIndex::of(&bare).unwrap_err().to_string().contains("no uvs to match"));
 }

@@ -65,10 +65,8 @@ fn nodes_geometric_transforms_unit_and_axes_are_applied() {
     let loaded = load(PANEL);
     assert_eq!(loaded.format, "FBX");
     assert_eq!(loaded.generator.as_deref(), Some("written by hand"));
-    assert_eq!(
-        loaded.objects.names_of_instances(),
-        ["panel_high", "panel_high", "panel_low", "panel_low", "roof"]
-    );
+    assert_eq!(loaded.objects.names, ["panel_high", "panel_low", "roof"]);
+    assert_eq!(*loaded.objects.of_instances, [0, 0, 1, 1, 2]);
     assert_eq!(loaded.mesh_names, ["panel", "panel", "roof"]);
     // Half as high, turned by 90° about z, moved by 1 m along x; z becomes y.
     let m = 1_000_000;
@@ -259,7 +257,8 @@ fn binary_files_by_blender() {
     let loaded = load_within(include_bytes!("../../../../tests/data/meshes/blender.fbx"), Limits::default());
     let loaded = loaded.unwrap_or_else(|e| panic!("{e}"));
     assert!(loaded.generator.as_deref().is_some_and(|g| g.contains("Blender")), "{:?}", loaded.generator);
-    assert_eq!(loaded.objects.names_of_instances(), ["prism_copy", "prism_copy", "prism_high", "prism_high"]);
+    assert_eq!(loaded.objects.names, ["prism_copy", "prism_high"]);
+    assert_eq!(*loaded.objects.of_instances, [0, 0, 1, 1]);
     // Two heptagons and seven quadrilaterals.
     assert_eq!(loaded.scene.meshes().iter().map(|m| m.triangles().len()).sum::<usize>(), 24);
     assert!(loaded.scene.meshes().iter().all(|m| !m.normals().is_empty() && m.uvs().len() == 1));

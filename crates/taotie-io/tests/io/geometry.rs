@@ -192,7 +192,7 @@ fn obj_meshes_have_the_names_of_their_objects() {
     let pair = "o lid_low\nf 1 2 3\no foot_low\nf 1 2 3\no lid_low\nf 2 3 1\n";
     let apart = obj(&format!("{vertices}f 1 2 3\n{pair}"));
     assert_eq!(apart.mesh_names, ["mesh 0", "lid_low", "foot_low"]);
-    assert_eq!(apart.objects.names_of_instances(), apart.mesh_names);
+    assert_eq!(apart.objects.names, apart.mesh_names);
     let triangles: Vec<usize> = apart.scene.meshes().iter().map(|mesh| mesh.triangles().len()).collect();
     assert_eq!(triangles, [1, 2, 1]);
 }

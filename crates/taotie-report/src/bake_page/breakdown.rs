@@ -137,14 +137,16 @@ pub(super) fn maps(report: &Report) -> Option<Section> {
         let words = [note.map.name(), note.material.as_deref().unwrap_or(""), &file.to_string_lossy()]
             .map(Cell::text);
         let numbers = map_error_texts(error, report.unit).map(Cell::text);
-        rows.push(words.into_iter().chain(numbers).collect());
+        let unseen = Cell::number(error.unseen * 100.0, 1);
+        rows.push(words.into_iter().chain(numbers).chain([unseen]).collect());
     }
-    let columns = ["map", "material", "file", "mean", "p95", "max"].map(Column::words).into();
+    let words = ["map", "material", "file", "mean", "p95", "max"].map(Column::words);
+    let columns = words.into_iter().chain([Column::numbers("points that see no scan", "%")]).collect();
     (!rows.is_empty()).then(|| Section::Table {
         title: "Errors of other maps".into(),
         note: "Each map as its file stores it, at points spread over the low-poly mesh, compared with the scan straight along \
-               the normal of the triangle. Occlusion and thickness are integrated again, over other directions; positions, \
-               heights and displacements are off by the distance from the scan of the point that they state."
+               the normal of the triangle, or at the same UV if these are matched. Occlusion and thickness are integrated \
+               again, over other directions. Occlusion in a model file is that before it was packed."
             .into(),
         columns,
         rows,

@@ -296,12 +296,18 @@ impl BakeOptions {
             Self { side: n, .. } if !(1..=8).contains(n) => {
                 wrong(format!("{n}×{n} samples per texel"), "use 1 to 8 along each side")
             }
-            Self { bits: 32, keep_uvs: false, .. } => {
-                wrong("32 bits per channel".into(), "no model format stores them; write standalone maps")
-            }
             Self { bits, .. } if ![8, 16, 32].contains(bits) => {
                 wrong(format!("{bits} bits per channel"), "use 8 or 16, or 32 for standalone maps")
             }
+            Self {
+                matching: MatchRule::Uv,
+                ray_distance: RayDistance::Cage(_) | RayDistance::Uniform(_),
+                ..
+            } => wrong("matching by uvs".into(), "it follows no rays; omit their distance"),
+            Self { matching: MatchRule::Uv, ray_colors: true, .. } => wrong(
+                "matching by uvs".into(),
+                "it follows no rays; omit their distances from vertex colours",
+            ),
             Self { matching: MatchRule::Uv, .. } if self.new_uvs || self.udim => wrong(
                 "matching by uvs".into(),
                 "it needs those of the low-poly mesh, in one tile; omit new uvs and UDIM tiles",
@@ -558,7 +564,6 @@ mod tests {
             (BakeOptions { keep_uvs: true, ..base() }, "standalone maps: no file would store generated uvs"),
             (BakeOptions { side: 9, ..base() }, "1 to 8"),
             (BakeOptions { bits: 12, ..base() }, "8 or 16"),
-            (BakeOptions { bits: 32, ..base() }, "standalone maps"),
             (BakeOptions { matching: MatchRule::Uv, ..base() }, "there is none"),
             (BakeOptions { sizes: SetSizes::Even, ..base() }, "there is none"),
             (BakeOptions { dilation: Some(1 << 31), ..base() }, "at most 16384"),

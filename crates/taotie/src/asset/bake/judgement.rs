@@ -56,6 +56,11 @@ pub(super) fn refuse_no_hit(pair: Pair<'_>, cage: &Cage, counts: &BakeCounts) ->
     if counts.missed < counts.samples {
         return Ok(());
     }
+    if cage.matches_uvs() {
+        let why =
+            "none of its texels has a point of the scan with the same uv; give both meshes the same uvs";
+        return Err(Error::invalid(what, why));
+    }
     let faults: Vec<String> = misfits(pair, cage).into_iter().map(|fault| format!("; {fault}")).collect();
     let why = format!(
         "none of its {} projection rays met the scan, at most {} to either side{}; align the meshes, or use a \
@@ -97,7 +102,11 @@ pub(in crate::asset) fn judge(pair: Pair<'_>, cage: &Cage, counts: &BakeCounts, 
         warnings.note(misfit, 1);
     }
     let missed = part(counts.missed_texels, counts.texels);
-    if missed > MISSED {
+    if missed > MISSED && cage.matches_uvs() {
+        let what = "of the texels have no point of the scan with the same uv and keep the low-poly mesh's own normal; the \
+                    report shows where; give both meshes the same uvs";
+        warnings.note(format!("{} {what}", percent(missed)), 1);
+    } else if missed > MISSED {
         warnings.note(
             format!(
                 "{} of the texels have rays that missed the scan: {} of all rays used its closest point, {} had no hit and \

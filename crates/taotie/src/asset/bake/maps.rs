@@ -86,7 +86,8 @@ pub(in crate::asset) fn bake_maps(
     refuse_no_hit(pair, &cage, &counts)?;
     progress.begin("store")?;
     let textures = Textures::new(&maps, options, pair)?;
-    let rays = RayPreview::of(&low.mesh, &cage, (scan.sorted(), SHOWN_RAYS));
+    let shown = if options.inspect && !options.searches() { SHOWN_RAYS } else { 0 };
+    let rays = RayPreview::of(&low.mesh, &cage, (scan.sorted(), shown));
     Ok(StoredMaps { textures, counts, cage, rays, size })
 }
 

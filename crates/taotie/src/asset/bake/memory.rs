@@ -2,8 +2,9 @@
 
 use crate::asset::ask::{BakeOptions, Packing};
 use crate::asset::source::ScanSize;
-use taotie_engine::bake::{MapContent, MapKind, Maps, REMESH_BYTES, bytes_of_bands};
+use taotie_engine::bake::{MapKind, Maps, MatchRule, REMESH_BYTES, bytes_of_bands};
 use taotie_engine::error::{Error, Result};
+use taotie_engine::math::Vec3;
 use taotie_engine::surface::{NoiseHandling, denoising_bytes};
 use taotie_io::{Bytes, CodecKind, ImageCodec, Limits, TextureCodecs};
 
@@ -57,6 +58,8 @@ pub struct MemoryEstimate {
     pub images: TextureCodecs,
     /// `true` if channels are packed into further textures.
     pub packs_channels: bool,
+    /// `true` if the scan's triangles are indexed by their uvs.
+    pub matches_uvs: bool,
     /// `true` if the asset is measured against the scan afterwards.
     pub is_proved: bool,
     /// The maximum texture side on a page that shows the asset afterwards, texels; `None` without a page.
@@ -86,6 +89,7 @@ impl MemoryEstimate {
             levels: 1 + options.lods.len() as u64,
             images: TextureCodecs::default(),
             packs_channels: false,
+            matches_uvs: options.matching == MatchRule::Uv,
             is_proved: false,
             shown_side: None,
         }
@@ -155,8 +159,15 @@ impl MemoryEstimate {
         // Materials are baked one after the other.
         let stored = self.stored_of(self.materials.saturating_sub(1));
         let maps = (self.texels * self.texel_bytes).saturating_add(self.band_bytes);
-        let scan = self.scan.bytes().saturating_add(self.denoised()[0]);
+        let scan = self.scan.bytes().saturating_add(self.denoised()[0]).saturating_add(self.uv_index());
         scan.saturating_add(sorting.max(maps)).saturating_add(stored)
+    }
+
+    /// Returns the bytes of the scan's triangles by their uvs: a tree, corners and numbers.
+    fn uv_index(&self) -> u64 {
+        let tree = self.scan.bytes() - self.scan.mesh_bytes();
+        let triangle = (size_of::<[Vec3; 3]>() + size_of::<u32>()) as u64;
+        if self.matches_uvs { tree + self.scan.triangles * triangle } else { 0 }
     }
 
     /// Returns the bytes of the scan without its noise, next to the scan as given, and those to make it; zeros if the
@@ -175,7 +186,8 @@ impl MemoryEstimate {
         let packed =
             if self.packs_channels { self.texels * most(self.images, |coding| coding.packing) } else { 0 };
         let stored = self.stored_of(self.materials).saturating_add(packed);
-        self.scan.bytes().saturating_add(stored).saturating_add(self.packing(self.texels, self.images))
+        let scan = self.scan.bytes().saturating_add(self.uv_index());
+        scan.saturating_add(stored).saturating_add(self.packing(self.texels, self.images))
     }
 
     /// Returns the bytes while maps of `texels` texels are encoded as images, one per thread at a time.
@@ -190,7 +202,8 @@ impl MemoryEstimate {
         const POINTS: u64 = 32 << 20;
         /// A triangle of the asset, sorted for rays and placed for pictures.
         const LOW_TRIANGLE: u64 = 220;
-        let scan = self.scan.bytes().max(self.scan.viewing_bytes());
+        // Its maps are measured by a second index.
+        let scan = self.scan.bytes().max(self.scan.viewing_bytes()).saturating_add(2 * self.uv_index());
         let low = self.low_triangles * LOW_TRIANGLE;
         [self.stored_of(self.materials), self.read_back(), self.proof(), low, POINTS]
             .into_iter()
@@ -280,7 +293,7 @@ fn texel_bytes(options: &BakeOptions, carries: Maps) -> u64 {
 
 /// The bytes per texel of a stored map: numbers with a unit have 16 bits.
 fn codes(options: &BakeOptions, map: MapKind) -> u64 {
-    let bits = if map.content() == MapContent::Length { options.bits.max(16) } else { options.bits };
+    let bits = if map.is_fine() { options.bits.max(16) } else { options.bits };
     4 * u64::from(bits / 8)
 }
 
@@ -303,6 +316,7 @@ mod tests {
             remeshes: false,
             inspects: true,
             noise: None,
+            matches_uvs: false,
             texels: 1 << 22,
             texel_bytes: 20,
             band_bytes: 0,

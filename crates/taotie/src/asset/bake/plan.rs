@@ -189,16 +189,18 @@ pub(in crate::asset) fn set_sizes(options: &BakeOptions, lows: &[LowPoly]) -> Re
             Ok(widths.iter().map(size).collect())
         }
         SetSizes::Named(sizes) => {
-            let names: BTreeSet<&str> = lows.iter().map(LowPoly::file_label).collect();
+            let names: BTreeSet<&str> = lows.iter().flat_map(|low| [low.label(), low.file_label()]).collect();
             if let Some(name) = sizes.keys().find(|name| !names.contains(name.as_str())) {
                 let names: Vec<&str> = names.into_iter().filter(|name| !name.is_empty()).collect();
                 let why = match names.is_empty() {
                     true => "the low-poly mesh has one set of maps; set the size of the bake".to_owned(),
-                    false => format!("the low-poly mesh has no such material; it has {}", names.join(", ")),
+                    false => format!("the low-poly mesh has no such maps; it has {}", names.join(", ")),
                 };
                 return Err(Error::invalid(format!("the size of {name}"), why));
             }
-            let size = |low: &LowPoly| sizes.get(low.file_label()).map_or(usual, |side| [*side; 2]);
+            // A tile of a material goes before the material.
+            let own = |low: &LowPoly| sizes.get(low.label()).or_else(|| sizes.get(low.file_label())).copied();
+            let size = |low: &LowPoly| own(low).map_or(usual, |side| [side; 2]);
             Ok(lows.iter().map(size).collect())
         }
     }

@@ -8,6 +8,7 @@ use crate::asset::ask::{Figure, Requirement};
 use crate::asset::bake::{INSIDE_OUT, percent, useless_map};
 use crate::asset::source::{Property, is_plain, used_materials};
 use crate::asset::write::MapNote;
+use taotie_engine::bake::MapKind;
 use taotie_engine::error::Warnings;
 use taotie_engine::length::{Unit, place_text, texel_text};
 use taotie_engine::names::Named;
@@ -293,7 +294,7 @@ pub(super) fn unseen([scan, asset]: [&Scene; 2], poses: bool) -> Vec<String> {
     let plain = is_plain(scan).then_some("colour and material, which the scan does not specify");
     let poses = poses.then_some("poses: an animated asset is compared at rest");
     let has_occlusion = used_materials(asset).any(|material| material.occlusion_texture.is_some());
-    let occlusion = has_occlusion.then_some("ambient occlusion, other than by the error of a baked map");
+    let occlusion = has_occlusion.then_some("ambient occlusion, whose map only its bake measures");
     let layer = |property: Property| match property {
         Property::Layer(layer) => LAYERS.get(layer),
         _ => None,
@@ -308,8 +309,18 @@ pub(super) fn unseen([scan, asset]: [&Scene; 2], poses: bool) -> Vec<String> {
 
 /// Returns the maps next to an asset that are not compared with anything.
 pub(super) fn unproved_maps(maps: &[MapNote]) -> Vec<String> {
-    let unproved = maps.iter().filter(|note| note.map.is_separate() && note.error.is_none());
-    unproved.map(|note| format!("{} map", note.map.name())).collect()
+    let has_error = |note: &MapNote| {
+        maps.iter().any(|own| own.map == note.map && own.material == note.material && own.error.is_some())
+    };
+    let is_unseen = |note: &&MapNote| note.map.is_separate() || note.map == MapKind::Occlusion;
+    let mut unproved: Vec<String> = Vec::new();
+    for note in maps.iter().filter(is_unseen).filter(|note| !has_error(note)) {
+        let name = format!("{} map", note.map.name());
+        if !unproved.contains(&name) {
+            unproved.push(name);
+        }
+    }
+    unproved
 }
 
 #[cfg(test)]

@@ -232,7 +232,10 @@ impl Report {
     /// Adds the figures of a proof, and its maps with their errors.
     pub fn prove(&mut self, figures: Figures, maps: Vec<MapNote>) {
         self.proof = Some(figures);
-        self.maps = maps;
+        // A proof of files alone knows no maps.
+        if !maps.is_empty() {
+            self.maps = maps;
+        }
         if let Some(bake) = &mut self.bake {
             bake.unproved_maps = unproved_maps(&self.maps);
         }

@@ -13,7 +13,8 @@ use crate::asset::bake::{Made, Part, assign_object_map};
 use crate::asset::source::{Scan, all_files, from_metres, is_gltf, is_in_scan_unit, stated_unit};
 use crate::asset::write::{MapNote, StoredValues, WrittenAsset, codes_of_normals, maps_alone};
 use std::path::{Path, PathBuf};
-use taotie_engine::bake::{self, MapContent, MapKind, MatchRule, TexelChecks};
+use std::sync::Arc;
+use taotie_engine::bake::{self, MapContent, MapKind, MatchRule, TexelChecks, UvIndex};
 use taotie_engine::compare::Field;
 use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::image::{Encoding, Texture};
@@ -344,11 +345,14 @@ impl WrittenAsset {
         let is_turned =
             matches!(note.map, MapKind::Bent | MapKind::Bevel) && options.space == NormalSpace::Tangent;
         let green = if is_turned { self.packing.green } else { GreenChannel::Up };
-        let things = scan.about.objects.names.len().max(scan.surface().material_names().len()).max(1);
+        let things = scan.surface().part_count().max(scan.surface().material_names().len());
         let values = StoredValues::of(note, bitmap, (green, things as u32));
+        // The scan may be another than that of the bake.
+        let uvs = (options.matching == MatchRule::Uv).then(|| UvIndex::of(scan.mesh()).map(Arc::new));
+        let cage = part.maps.cage.clone().with_uvs(uvs.transpose()?);
         let check = MapCheck {
             low: &part.low.mesh,
-            cage: &part.maps.cage,
+            cage: &cage,
             scan: scan.sorted(),
             isolated: options.matching == MatchRule::Isolated,
             sky_distance: options.ao_distance.map(|v| v as f32),
@@ -362,7 +366,7 @@ impl WrittenAsset {
             MapContent::Label => "share",
             MapContent::Length => &note.unit,
         };
-        Ok(check.error(&map)?.map(|summary| MapError { unit: unit.to_owned(), summary }))
+        check.error(&map, unit)
     }
 
     /// Returns pictures of the angles by which the removal of noise turned the normals of its scan.

@@ -57,6 +57,9 @@ impl Inputs {
                     true => Groups::matched([&read.objects, &scan.about.objects], &mut reader.warnings),
                     false => None,
                 };
+                let is_whole = options.matching == MatchRule::Isolated && groups.is_none();
+                let what = "no names of objects match, so none is isolated: rays see the whole scan";
+                reader.warnings.note(what, usize::from(is_whole));
                 let given = GivenMesh::of(options, source, read, &mut reader.warnings)?.with_groups(groups);
                 reading.at(1.0)?;
                 Some(given)
@@ -483,6 +486,12 @@ impl LowPoly {
             false => mesh,
             true if options.keep_uvs => return Err(Error::invalid("standalone maps", NEEDS_UVS)),
             true if options.skew_mask.is_some() => return Err(Error::invalid("a mask", MASK_NEEDS_UVS)),
+            true if options.matching == MatchRule::Uv => {
+                return Err(Error::invalid(
+                    "matching by uvs",
+                    "the low-poly mesh has none; give it those of the scan",
+                ));
+            }
             true if !options.is_square() => {
                 return Err(Error::invalid(options.maps_in_words(), SQUARE));
             }

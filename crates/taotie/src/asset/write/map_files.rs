@@ -403,19 +403,19 @@ impl StoredValues {
         Self { bitmap, meaning, origin: Vec3::new(x, y, z), green, labels }
     }
 
-    /// Returns the value at a uv: interpolated between texels, or that of the nearest one for labels, whose number is
+    /// Returns the value at a uv, beyond the map that of its repetition: interpolated between texels, or that of the nearest one for labels, whose number is
     /// the first component; −1 for the colour of none.
     pub fn at(&self, uv: Vec2) -> Vec3 {
         let size = [self.bitmap.width(), self.bitmap.height()];
         if !self.labels.is_empty() {
             let [x, y] = [(uv.x, size[0]), (uv.y, size[1])]
-                .map(|(at, side)| ((at * side as f32) as u32).min(side.saturating_sub(1)));
+                .map(|(at, side)| ((at.rem_euclid(1.0) * side as f32) as u32).min(side.saturating_sub(1)));
             return Vec3::splat(self.label((y * size[0] + x) as usize));
         }
         let along = |at: f32, side: u32| {
-            let place = (at * side as f32 - 0.5).clamp(0.0, side.saturating_sub(1) as f32);
-            let first = place as u32;
-            (first, (first + 1).min(side.saturating_sub(1)), place - first as f32)
+            let place = (at - 0.5 / side as f32).rem_euclid(1.0) * side as f32;
+            let first = (place as u32).min(side.saturating_sub(1));
+            (first, (first + 1) % side.max(1), place - first as f32)
         };
         let ((left, right, x), (top, bottom, y)) = (along(uv.x, size[0]), along(uv.y, size[1]));
         let texel = |column: u32, row: u32| self.value((row * size[0] + column) as usize);

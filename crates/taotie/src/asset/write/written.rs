@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use taotie_engine::bake::MapKind;
-use taotie_engine::error::{Result, Warnings};
+use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::image::Encoding;
 use taotie_engine::names::Named;
 use taotie_engine::progress::Progress;
@@ -88,6 +88,10 @@ impl Asset {
         let requested = path.to_path_buf();
         let (asset, packed, path) = (self.clone(), packing.clone(), requested.clone());
         let is_alone = maps_alone::is_alone(&path);
+        if !is_alone && options.bits == 32 {
+            let why = "no model format stores them; write standalone maps";
+            return Err(Error::invalid("32 bits per channel", why));
+        }
         let encode = move |_: Progress<'_>| match is_alone {
             true => maps_alone::encoded(&asset.made, &path, &packed).map(EncodedModel::from),
             false => encoded(&asset.made, &path, &packed),
