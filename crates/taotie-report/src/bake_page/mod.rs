@@ -27,7 +27,7 @@ mod views;
 
 pub use trials::trials_csv;
 
-use crate::viewer::{AssetSubject, MeasuredErrors};
+use crate::viewer::{AssetSubject, MeasuredErrors, Staging};
 use crate::{Notice, Page, Section, Tone};
 use certificate::Judge;
 use std::path::Path;
@@ -123,6 +123,7 @@ pub fn html_with_asset(page: &Page, proof: &Proof, path: &Path) -> (String, Warn
         title: &path.file_name().unwrap_or_default().to_string_lossy(),
         limits: &Limits::default(),
         errors: MeasuredErrors::of(proof),
+        staging: Staging::default(),
     };
     match subject.page(&|viewer| viewer.within(page)) {
         Ok(written) => written,
