@@ -2,14 +2,18 @@
 
 mod args;
 mod files;
+mod page;
+mod relight;
 mod report;
 
 pub use args::PhotometricArgs;
+pub use files::Output;
 
 use crate::bake::clock::Clock;
 use crate::{console, stop};
 use anyhow::{Result, bail};
-use files::Output;
+use files::albedo_codes;
+use page::PhotometricPage;
 use report::{Errors, Report};
 use std::path::Path;
 use taotie::comparison::diff::guessed_encoding;
@@ -59,7 +63,9 @@ fn estimate(args: &PhotometricArgs) -> Result<Report> {
     let estimate = Estimate::of(&samples, progress)?;
     let without = estimate.best.iter().filter(|best| best.is_none()).count();
     warnings.note("a pixel has no normal: too little light, or too few samples that agree", without);
-    if let Some(exponent) = estimate.exponent.filter(|exponent| (exponent - 1.0).abs() > CURVED) {
+    let curved = estimate.exponent.filter(|exponent| (exponent - 1.0).abs() > CURVED);
+    // Polynomials bend the curve of brightness too.
+    if let Some(exponent) = curved.filter(|_| set.relightable.is_none()) {
         let what = format!(
             "brightness grows like the power {exponent:.2} of the light: the photographs may not be {}; see --encoding",
             samples.transfer.name()
@@ -68,10 +74,29 @@ fn estimate(args: &PhotometricArgs) -> Result<Report> {
     }
     let relief = estimate.relief(progress.begin("depth")?)?;
     progress.begin("write")?;
-    warnings.absorb(Output { args, files: &files, estimate: &estimate, relief: &relief }.write()?);
-    let errors = truth.map(|truth| errors(&estimate, &truth)).transpose()?;
+    let output = Output {
+        folder: &args.output,
+        pixel_size: args.pixel_size.unwrap_or(1.0),
+        files: &files,
+        estimate: &estimate,
+        relief: &relief,
+    };
+    warnings.absorb(output.write()?);
+    let relightable = relight::write((args, &files), (&set, &reading), &estimate, progress)?;
+    let errors = truth.as_ref().map(|truth| errors(&estimate, truth)).transpose()?;
     let mut report = Report::new(args, &set, &samples, &estimate);
     report.truth = errors;
+    report.relight = relightable;
+    report.warnings = warnings.list();
+    let page = PhotometricPage {
+        report: &report,
+        estimate: &estimate,
+        albedo: &albedo_codes(&estimate),
+        truth: truth.as_ref(),
+    };
+    let (page, found) = page.html(&files.current(&args.path("relief.glb")))?;
+    warnings.absorb(found);
+    files.write_text(&args.path("report.html"), &page)?;
     report.warnings = warnings.list();
     report.stages = clock.done();
     files.write_text(&args.path("report.json"), &serde_json::to_string_pretty(&report)?)?;
