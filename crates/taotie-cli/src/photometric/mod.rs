@@ -14,6 +14,7 @@ use crate::{console, stop};
 use anyhow::{Result, bail};
 use files::albedo_codes;
 use page::PhotometricPage;
+use relight::Relighting;
 use report::{Errors, Report};
 use std::path::Path;
 use taotie::comparison::diff::guessed_encoding;
@@ -43,6 +44,7 @@ fn estimate(args: &PhotometricArgs) -> Result<Report> {
     let progress = Progress::new(&listener);
     let set = PhotographSet::open_with(&args.input, &args.setup(), &mut warnings, progress)?;
     args.claim(&files, &set)?;
+    relight::claim(args, &files, &set)?;
     let truth = args.truth.as_deref().map(|path| read_truth(args, path)).transpose()?;
     let reading = Reading {
         mask: args.mask.as_deref(),
@@ -82,7 +84,8 @@ fn estimate(args: &PhotometricArgs) -> Result<Report> {
         relief: &relief,
     };
     warnings.absorb(output.write()?);
-    let relightable = relight::write((args, &files), (&set, &reading), &estimate, progress)?;
+    let relighting = Relighting { args, files: &files, set: &set, reading: &reading };
+    let relightable = relighting.write(&estimate, progress)?;
     let errors = truth.as_ref().map(|truth| errors(&estimate, truth)).transpose()?;
     let mut report = Report::new(args, &set, &samples, &estimate);
     report.truth = errors;

@@ -63,47 +63,57 @@ fn folder_of(args: &PhotometricArgs) -> PathBuf {
     args.path("openlime")
 }
 
-/// Fits and writes all formats that are asked for.
-pub fn write(
-    (args, files): (&PhotometricArgs, &FileSet),
-    (set, reading): (&PhotographSet, &Reading),
-    estimate: &Estimate,
-    progress: Progress<'_>,
-) -> Result<Vec<RelightReport>> {
-    if args.relight.is_empty() {
-        return Ok(Vec::new());
+/// Photographs to write relightable images of.
+pub struct Relighting<'a> {
+    /// The options.
+    pub args: &'a PhotometricArgs,
+    /// The set that the files belong to.
+    pub files: &'a FileSet,
+    /// The photographs.
+    pub set: &'a PhotographSet,
+    /// How to read them.
+    pub reading: &'a Reading<'a>,
+}
+
+impl Relighting<'_> {
+    /// Fits and writes all formats that are asked for.
+    pub fn write(&self, estimate: &Estimate, progress: Progress<'_>) -> Result<Vec<RelightReport>> {
+        let Self { args, files, set, reading } = *self;
+        if args.relight.is_empty() {
+            return Ok(Vec::new());
+        }
+        let progress = progress.begin("relight")?;
+        let photographs = ColorReader::new(set, reading, white(estimate))?;
+        let mut fitted: Option<(Basis, Coefficients)> = None;
+        let mut reports = Vec::new();
+        let count = args.relight.len() as f64;
+        for (i, format) in args.relight.iter().enumerate() {
+            let part = |from: f64, to: f64| progress.part((i as f64 + from) / count, (i as f64 + to) / count);
+            let basis = format.basis(set.photographs.len());
+            let coefficients = match fitted.take() {
+                Some((known, coefficients)) if known == basis => coefficients,
+                _ => Coefficients::fit(&photographs, basis, part(0.0, 0.5))?,
+            };
+            let image = coefficients.stored(format.colors());
+            fitted = Some((basis, coefficients));
+            let path = match format {
+                RelightFormat::Web => folder_of(args),
+                _ => args.path(file_of(*format)),
+            };
+            let written: Vec<FileBytes> = format.files(&image, &path)?;
+            let image = format.held(image, &written)?;
+            let quality = Quality::of(&image, &photographs, part(0.5, 1.0))?;
+            files.write_files(&written, Progress::SILENT)?;
+            let worst = quality.of_photographs.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
+            reports.push(RelightReport {
+                file: file_of(*format),
+                terms: basis.terms(),
+                bytes: written.iter().map(|file| file.bytes.len() as u64).sum(),
+                psnr: quality.psnr,
+                worst_psnr: worst.map_or(f64::NAN, |(_, psnr)| *psnr),
+                worst: worst.map_or(String::new(), |(k, _)| name_of(&set.photographs[k].path)),
+            });
+        }
+        Ok(reports)
     }
-    let progress = progress.begin("relight")?;
-    let photographs = ColorReader::new(set, reading, white(estimate))?;
-    let mut fitted: Option<(Basis, Coefficients)> = None;
-    let mut reports = Vec::new();
-    let count = args.relight.len() as f64;
-    for (i, format) in args.relight.iter().enumerate() {
-        let part = |from: f64, to: f64| progress.part((i as f64 + from) / count, (i as f64 + to) / count);
-        let basis = format.basis(set.photographs.len());
-        let coefficients = match fitted.take() {
-            Some((known, coefficients)) if known == basis => coefficients,
-            _ => Coefficients::fit(&photographs, basis, part(0.0, 0.5))?,
-        };
-        let image = coefficients.stored(format.colors());
-        fitted = Some((basis, coefficients));
-        let path = match format {
-            RelightFormat::Web => folder_of(args),
-            _ => args.path(file_of(*format)),
-        };
-        let written: Vec<FileBytes> = format.files(&image, &path)?;
-        let image = format.held(image, &written)?;
-        let quality = Quality::of(&image, &photographs, part(0.5, 1.0))?;
-        files.write_files(&written, Progress::SILENT)?;
-        let worst = quality.of_photographs.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
-        reports.push(RelightReport {
-            file: file_of(*format),
-            terms: basis.terms(),
-            bytes: written.iter().map(|file| file.bytes.len() as u64).sum(),
-            psnr: quality.psnr,
-            worst_psnr: worst.map_or(f64::NAN, |(_, psnr)| *psnr),
-            worst: worst.map_or(String::new(), |(k, _)| name_of(&set.photographs[k].path)),
-        });
-    }
-    Ok(reports)
 }

@@ -6,8 +6,8 @@
 
 use super::basis::Basis;
 use super::header::Header;
+use super::image::{ColorModel, Relightable, check_size};
 use super::plane::Plane;
-use super::{ColorModel, Relightable, check_size};
 use std::fmt::Write;
 use std::path::Path;
 use taotie_engine::error::{Error, Result};

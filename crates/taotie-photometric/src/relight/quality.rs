@@ -1,7 +1,7 @@
 //! How close relit images are to the photographs that they were fitted to.
 
 use super::colors::ColorReader;
-use super::{PIECE, Relightable};
+use super::image::{PIECE, Relightable};
 use taotie_engine::error::Result;
 use taotie_engine::{Progress, parallel};
 
@@ -26,7 +26,10 @@ impl Quality {
             let pieces = parallel::collect(colors.len().div_ceil(PIECE), |piece| {
                 let range = piece * PIECE..((piece + 1) * PIECE).min(colors.len());
                 let pairs = colors[range.clone()].iter().flatten().zip(relit[range].iter().flatten());
-                pairs.fold(0.0, |sum, (a, b)| sum + f64::from(b.clamp(0.0, 1.0) - a).powi(2))
+                pairs.fold(0.0, |sum, (a, b)| {
+                    let difference = f64::from(b.clamp(0.0, 1.0) - a);
+                    sum + difference * difference
+                })
             });
             squares.push(pieces.iter().sum::<f64>() / (3 * colors.len()) as f64);
         })?;

@@ -1,8 +1,13 @@
 //! Files of all kinds: written and read, in odd variants, and damaged.
 
+use super::fit::Projection;
 use super::*;
+use std::path::Path;
 use taotie_engine::image::{Bitmap, Texels};
+use taotie_engine::math::Vec3;
+use taotie_engine::names::Named;
 use taotie_io::encode_jpeg_bitmap;
+use taotie_io::{FileBytes, Limits};
 
 /// Makes an image of smooth coefficients.
 fn image(basis: Basis, colors: ColorModel) -> Relightable {

@@ -4,8 +4,8 @@
 //! A coefficient is (code / 255 − bias) · scale, and 1 is white.
 
 use super::basis::Basis;
+use super::image::{ColorModel, Relightable, check_size};
 use super::plane::Plane;
-use super::{ColorModel, Relightable, check_size};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use taotie_engine::error::{Error, Result};
