@@ -74,6 +74,12 @@ fn normals_are_those_of_the_model() {
     ] {
         assert!(place.path("out").join(name).is_file(), "{name}");
     }
+    let page = String::from_utf8(place.read("out/report.html")).expect("it is text");
+    for part in
+        ["<title>dome.lp</title>", "id=\"taotie-data\"", "\"least squares\"", "\"Worst pixels\"", "p11.exr"]
+    {
+        assert!(page.contains(part), "{part}");
+    }
     let written: Value = serde_json::from_slice(&place.read("out/report.json")).expect("it is JSON");
     assert_eq!(written["sigma"], report["sigma"]);
     place.taotie("diff normals.exr out/normals.exr --metric angle --threshold 2").assert().code(0);
