@@ -23,6 +23,7 @@ from ._light import Environment, Light
 from ._material import Material
 from ._model import Mesh, Model, load
 from ._options import CompareOptions, ImageOptions, RendererOptions, RenderOptions, TurntableOptions, ViewOptions
+from ._photometric import PhotometricNormals, photometric
 from ._proof import Met, Proof, VerifyOptions, verify
 from ._render import Renderer, render
 from ._scene import Scene
@@ -54,6 +55,7 @@ __all__ = [
     "Model",
     "NotMet",
     "Orbit",
+    "PhotometricNormals",
     "Proof",
     "RenderOptions",
     "Renderer",
@@ -73,6 +75,7 @@ __all__ = [
     "inspect",
     "load",
     "normals",
+    "photometric",
     "render",
     "shade",
     "verify",

@@ -63,6 +63,19 @@ def asset(scan: tt.Model) -> tt.Asset:
     return tt.bake(scan, triangles=600, size=128)
 
 
+def relief(side: int = 48) -> tuple[list[np.ndarray], np.ndarray, np.ndarray]:
+    """Return photographs of a matt relief in 16 bits, vectors towards their lights, and its true normals."""
+    y, x = (np.mgrid[:side, :side] + 0.5) / side * 2 - 1
+    slopes = np.stack([0.3 * np.cos(4 * x), -0.3 * np.sin(3 * y), np.ones_like(x)], axis=-1)
+    normals = slopes / np.linalg.norm(slopes, axis=-1, keepdims=True)
+    height = np.linspace(0.92, 0.55, 12)
+    angle = 2.4 * np.arange(12)
+    radius = np.sqrt(1 - height**2)
+    lights = np.stack([radius * np.cos(angle), radius * np.sin(angle), height], axis=-1)
+    shaded = np.clip(normals @ lights.T, 0, None) * 0.8 * 65535
+    return [np.round(shaded[..., k]).astype(np.uint16) for k in range(12)], lights, normals.astype(np.float32)
+
+
 def command(*arguments: object) -> subprocess.CompletedProcess[str]:
     """Run the command and check that it succeeds."""
     line = [sys.executable, "-m", "taotie", *map(str, arguments)]

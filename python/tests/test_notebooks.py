@@ -15,7 +15,7 @@ import pytest
 
 import taotie as tt
 
-from conftest import sphere
+from conftest import relief, sphere
 
 NOTEBOOKS = sorted((Path(__file__).parent.parent / "notebooks").glob("*.ipynb"))
 PAGE = Path(__file__).parents[2] / "docs" / "python.md"
@@ -122,7 +122,10 @@ def examples(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
         scan = tt.load("scan.ply")
         asset = tt.bake(scan, triangles=300, size=64)
         proof = asset.verify(scan, points=1000, view=64)
-    return {"tt": tt, "np": np, "json": json, "scan": scan, "asset": asset, "proof": proof, "folder": folder}
+    photographs, directions, truth = relief()
+    photographed = {"photographs": photographs, "directions": directions, "truth": truth}
+    baked = {"scan": scan, "asset": asset, "proof": proof, "folder": folder}
+    return {"tt": tt, "np": np, "json": json, **baked, **photographed}
 
 
 @pytest.mark.parametrize("name", public())

@@ -53,6 +53,13 @@ def measure(low: str, high: str) -> dict[str, Any]:
     return {**found.to_dict(), **report.to_dict()}
 
 
+def photograph(images: list[npt.NDArray[np.uint16]], lights: npt.NDArray[np.float64]) -> npt.NDArray[np.float32]:
+    found: tt.PhotometricNormals = tt.photometric(images, lights=lights, encoding="linear", progress=True)
+    found.save("relief")
+    inside: npt.NDArray[np.bool_] = tt.photometric("coin/dome.lp", pixel_size=0.05).mask
+    return found.normals if inside.any() else found.sigma
+
+
 def see(asset: tt.Asset, pose: npt.NDArray[np.float64], sky: npt.NDArray[np.float32]) -> npt.NDArray[np.uint32]:
     paint = tt.Material(base_color_map=np.zeros((8, 8, 3), np.uint8), emissive_map="glow.png", emissive=0.5)
     scene = tt.Scene([asset, (tt.load("plate.glb", material=paint), pose)])

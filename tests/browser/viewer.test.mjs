@@ -307,7 +307,7 @@ test("distances and sections are measured on the model", async () => {
     const metres = { mm: 1e-3, cm: 1e-2, m: 1 }[unit];
     near(value * metres, length, doubt * metres);
     const { errors } = await page.evaluate(() => window.taotie.data);
-    const known = Math.hypot(...picks.map(({ precision }) => precision), errors.rms, errors.rms);
+    const known = Math.hypot(...picks.map(({ precision }) => precision), errors.distance.rms, errors.distance.rms);
     near(doubt * metres, known, 0.5 * known);
     const decimals = (text) => (text.split(".")[1] ?? "").length;
     assert.equal(decimals(value), decimals(doubt), "the value is rounded to its uncertainty");

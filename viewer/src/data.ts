@@ -97,16 +97,18 @@ export interface ErrorMap {
     transform: [number, number, number, number, number, number];
 }
 
-/** Angles between the normals of asset and scan, and the distance between their shapes in the unit of the model. */
+/** Degrees on the surface. */
 export interface Errors {
+    /** Angles between the normals of asset and scan, or the uncertainty of normals from photographs. */
+    quantity: "error" | "uncertainty";
     maps: (ErrorMap | null)[];
     top: number;
     stops: [number, number, number][];
     steps: number;
-    /** The mean on the surface according to the proof, degrees. */
+    /** The mean on the surface, degrees: of errors, according to the proof. */
     mean: number | null;
-    rms: number;
-    hausdorff: number;
+    /** The distance between the shapes of asset and scan, in the unit of the model. */
+    distance: { rms: number; hausdorff: number } | null;
 }
 
 /** A titled view, with the fragment of its link. */

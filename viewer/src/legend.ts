@@ -12,13 +12,15 @@ export function legend(viewer: Viewer): HTMLElement | undefined {
     const bar = make("div", { class: "bar" });
     bar.style.background = `linear-gradient(to right, ${errors.stops.map((stop) => `rgb(${stop.join()})`).join()})`;
     const here = make("output", {}, "");
+    const { distance } = errors;
+    const shape = distance && texts.shape(lengthText(distance.rms, in_metres), lengthText(distance.hausdorff, in_metres));
     const all = make(
         "div",
         { class: "legend" },
         bar,
         make("p", { class: "ends" }, make("span", {}, texts.degrees(0)), here, make("span", {}, texts.atLeast(errors.top))),
-        make("p", { class: "text" }, texts.legend(errors.top, errors.mean)),
-        make("p", { class: "text" }, texts.shape(lengthText(errors.rms, in_metres), lengthText(errors.hausdorff, in_metres))),
+        make("p", { class: "text" }, texts.legend(errors.quantity, errors.top, errors.mean)),
+        ...(shape ? [make("p", { class: "text" }, shape)] : []),
     );
     viewer.listen(({ mode }) => void (all.hidden = mode !== "error"));
     let asked = 0;

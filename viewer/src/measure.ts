@@ -101,7 +101,7 @@ export class Measure {
 
     /** The uncertainty of a point: that of picking it, and the distance between shape and scan if that is known. */
     private doubt({ precision }: Pick): number {
-        return Math.hypot(precision, this.viewer.data.errors?.rms ?? 0);
+        return Math.hypot(precision, this.viewer.data.errors?.distance?.rms ?? 0);
     }
 
     private offer(a: Vector3, b: Vector3): void {

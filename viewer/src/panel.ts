@@ -32,7 +32,8 @@ function surface(viewer: Viewer): HTMLElement {
         return { value, name: value + (lacks(number) ? texts.lacking : ""), disabled: lacks(number) };
     });
     const best = { value: BEST, name: texts.best };
-    const shown = modes(data).map((value) => ({ value, name: texts.modes[value] ?? value }));
+    const named = data.errors?.quantity === "uncertainty" ? { ...texts.modes, error: texts.uncertainty } : texts.modes;
+    const shown = modes(data).map((value) => ({ value, name: named[value] ?? value }));
     const contents = besides(data).map((value) => ({ value, name: texts.besides[value] ?? value }));
     return group(
         texts.surface,

@@ -57,9 +57,13 @@ export const texts = {
     wipe: "Wipe",
     sides: { smooth: ["with normal map", "without normal map"], scan: ["asset", "scan"] } as Record<string, [string, string]>,
     wiped: (split: number, [left, right]: [string, string]) => `${Math.round(split * 100)} % ${left}, ${right} on the right`,
-    legend: (top: number, mean: number | null) =>
-        `Angle between the normals of model and scan on the surface, from 0° to ${top}° and above` +
-        `${mean === null ? "" : `; mean ${mean.toFixed(3)}°`}. Grey: not measured.`,
+    uncertainty: "uncertainty of normals",
+    legend: (quantity: "error" | "uncertainty", top: number, mean: number | null) =>
+        (quantity === "error"
+            ? "Angle between the normals of model and scan on the surface"
+            : "Angle within which 68 % of the true normals are expected") +
+        `, from 0° to ${top}° and above${mean === null ? "" : `; mean ${mean.toFixed(3)}°`}. ` +
+        `Grey: ${quantity === "error" ? "not measured" : "without a normal"}.`,
     errorHere: (degrees: number | undefined) =>
         degrees === undefined ? "not measured here" : `${degrees.toFixed(2)}° under the pointer`,
     shape: (rms: string, most: string) => `Distance from the scan: ${rms} (root mean square), at most ${most}.`,

@@ -29,6 +29,8 @@ mod studio;
 mod verify;
 mod view;
 
+pub use photometric::Output as PhotometricFiles;
+
 use clap::builder::UnknownArgumentValueParser;
 use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::ffi::OsString;

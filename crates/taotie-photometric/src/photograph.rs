@@ -49,6 +49,15 @@ impl Sample {
         Self(if saturated { -grey } else { grey })
     }
 
+    /// Returns the sample of a relit image's colour, in [0, 1] if it can be displayed.
+    pub fn displayed(color: [f32; 3], transfer: Transfer) -> Self {
+        let linear = |v: f32| match transfer {
+            Transfer::Linear => f64::from(v),
+            _ => linear_from_srgb(f64::from(v)),
+        };
+        Self::new(color.map(|v| linear(v.max(0.0))).iter().sum::<f64>() / 3.0, false)
+    }
+
     /// Returns the sample of a light brighter by a factor.
     pub fn times(self, factor: f64) -> Self {
         Self::new(f64::from(self.grey()) * factor, self.is_saturated())
@@ -142,27 +151,51 @@ impl Decoder<'_> {
     /// # Errors
     /// [`Error::Invalid`] if its shape differs from that of the first.
     pub fn samples(&self, path: &Path, bitmap: &Bitmap, intensity: [f64; 3]) -> Result<Vec<Sample>> {
+        self.check(path, bitmap)?;
+        let factors = intensity.map(|v| 1.0 / (3.0 * v));
+        let sample = |i: &u32| {
+            let (values, saturated) = self.linear_texel(bitmap, *i as usize);
+            let grey: f64 = (0..3).map(|c| f64::from(values[c]).max(0.0) * factors[c]).sum();
+            Sample::new(grey, saturated)
+        };
+        Ok(self.pixels.iter().map(sample).collect())
+    }
+
+    /// Returns the linear colours of a photograph's pixels, divided by the light's intensity.
+    ///
+    /// # Errors
+    /// As [`Decoder::samples`].
+    pub fn colors(&self, path: &Path, bitmap: &Bitmap, intensity: [f64; 3]) -> Result<Vec<[f32; 3]>> {
+        self.check(path, bitmap)?;
+        let factors = intensity.map(|v| 1.0 / v);
+        let color = |i: &u32| {
+            let (values, _) = self.linear_texel(bitmap, *i as usize);
+            std::array::from_fn(|c| (f64::from(values[c]).max(0.0) * factors[c]) as f32)
+        };
+        Ok(self.pixels.iter().map(color).collect())
+    }
+
+    /// Rejects a photograph of another shape.
+    fn check(&self, path: &Path, bitmap: &Bitmap) -> Result<()> {
         let shape = Shape::of(bitmap);
         if shape != self.shape {
             let why = format!("{} has {}; all photographs must be alike", self.first.display(), self.shape);
             return Err(Error::invalid(format!("{}: {shape}", path.display()), why));
         }
-        let factors = intensity.map(|v| 1.0 / (3.0 * v));
-        let sample = |i: &u32| {
-            let i = *i as usize;
-            let (values, saturated) = match bitmap.texels() {
-                Texels::U8(texels) => {
-                    (self.linear(bitmap, i, texels[i].map(usize::from)), is_full(texels[i], u8::MAX))
-                }
-                Texels::U16(texels) => {
-                    (self.linear(bitmap, i, texels[i].map(usize::from)), is_full(texels[i], u16::MAX))
-                }
-                Texels::F32(texels) => (texels[i], false),
-            };
-            let grey: f64 = (0..3).map(|c| f64::from(values[c]).max(0.0) * factors[c]).sum();
-            Sample::new(grey, saturated)
-        };
-        Ok(self.pixels.iter().map(sample).collect())
+        Ok(())
+    }
+
+    /// Returns the linear value of a pixel, and true if a channel is saturated.
+    fn linear_texel(&self, bitmap: &Bitmap, i: usize) -> ([f32; 4], bool) {
+        match bitmap.texels() {
+            Texels::U8(texels) => {
+                (self.linear(bitmap, i, texels[i].map(usize::from)), is_full(texels[i], u8::MAX))
+            }
+            Texels::U16(texels) => {
+                (self.linear(bitmap, i, texels[i].map(usize::from)), is_full(texels[i], u16::MAX))
+            }
+            Texels::F32(texels) => (texels[i], false),
+        }
     }
 
     fn linear(&self, bitmap: &Bitmap, i: usize, codes: [usize; 4]) -> [f32; 4] {

@@ -1,10 +1,11 @@
 //! The pixels of all photographs within the mask, in linear light.
 
-use crate::light::near;
+use crate::light::{self, Light, near};
 use crate::photograph::{Decoder, Photograph, Sample, Shape, Transfer, curve};
 use crate::set::PhotographSet;
 use std::path::Path;
 use taotie_engine::error::{Error, Result};
+use taotie_engine::image::Bitmap;
 use taotie_engine::math::Vec3;
 use taotie_engine::{Progress, parallel};
 use taotie_io::{Bytes, Limits, read_bitmap_within};
@@ -54,8 +55,10 @@ impl Samples {
     /// if sizes or depths differ or the mask is empty, [`Error::Limit`], [`Error::Cancelled`].
     pub fn read(set: &PhotographSet, reading: &Reading, progress: Progress<'_>) -> Result<Self> {
         let first = &set.photographs[0].path;
-        let bitmap = read_bitmap_within(first, &reading.limits)?;
-        let shape = Shape::of(&bitmap);
+        let shape = match &set.relightable {
+            Some(image) => Shape { width: image.width, height: image.height, bits: 8 },
+            None => Shape::of(&read_bitmap_within(first, &reading.limits)?),
+        };
         let mask = match set.mask_or(reading.mask) {
             Some(path) => mask_pixels(path, shape, &reading.limits)?,
             None => (0..shape.width * shape.height).collect(),
@@ -76,20 +79,26 @@ impl Samples {
         let need = estimated_bytes(count, mask.len(), shape);
         reading.limits.check(what, Bytes(need))?;
         let transfer = reading.transfer.of_bits(shape.bits);
-        drop(bitmap);
         let decoder = Decoder { first, shape, pixels: &mask, curve: curve(transfer, shape.bits) };
         let done = std::sync::atomic::AtomicUsize::new(0);
         let images = parallel::try_tasks(count, &|i| {
             let photograph = &set.photographs[i];
-            let bitmap = read_bitmap_within(&photograph.path, &reading.limits)?;
             let light = &photograph.light;
+            if let Some(image) = &set.relightable {
+                let relit = image.relit(light.direction);
+                progress.at(i as f64 / count as f64)?;
+                return Ok(mask.iter().map(|i| Sample::displayed(relit[*i as usize], transfer)).collect());
+            }
+            let bitmap = read_bitmap_within(&photograph.path, &reading.limits)?;
             let mut samples = decoder.samples(&photograph.path, &bitmap, light.intensity)?;
             let lit = |i: usize| light.at(place(mask[i]), size);
             if let Some(flats) = &flats {
                 let board = read_bitmap_within(&flats[i], &reading.limits)?;
                 // Both contain the light's intensity.
                 let board = decoder.samples(&flats[i], &board, light.intensity)?;
-                divide(&mut samples, &board, |i| lit(i).direction.z);
+                for (i, (sample, board)) in samples.iter_mut().zip(board).enumerate() {
+                    *sample = sample.times(flattening(board, lit(i).direction.z));
+                }
             } else if light.position.is_some() {
                 samples.iter_mut().enumerate().for_each(|(i, sample)| *sample = sample.times(lit(i).falloff));
             }
@@ -101,6 +110,38 @@ impl Samples {
         let positions = set.photographs.iter().map(|photograph| photograph.light.position).collect();
         let Shape { width, height, bits } = shape;
         Ok(Self { width, height, pixels: mask, images, lights, positions, bits, transfer })
+    }
+
+    /// Takes the samples of photographs in memory. Lights are distant; the mask is white inside.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] if the lights do not determine normals, sizes or depths differ, or the mask is empty.
+    pub fn of(
+        photographs: &[Bitmap],
+        lights: &[Light],
+        mask: Option<&Bitmap>,
+        transfer: Transfer,
+    ) -> Result<Self> {
+        light::check(lights, "lights")?;
+        if photographs.len() != lights.len() {
+            let why = format!("there are {} lights; expected one for each", lights.len());
+            return Err(Error::invalid(format!("{} images", photographs.len()), why));
+        }
+        let shape = Shape::of(&photographs[0]);
+        let pixels = match mask {
+            Some(mask) => pixels_within(mask, shape, "mask")?,
+            None => (0..shape.width * shape.height).collect(),
+        };
+        let transfer = transfer.of_bits(shape.bits);
+        let first = Path::new("images[0]");
+        let decoder = Decoder { first, shape, pixels: &pixels, curve: curve(transfer, shape.bits) };
+        let images = parallel::try_tasks(photographs.len(), &|i| {
+            decoder.samples(format!("images[{i}]").as_ref(), &photographs[i], lights[i].intensity)
+        })?;
+        let (positions, lights) =
+            (vec![None; lights.len()], lights.iter().map(|light| light.direction).collect());
+        let Shape { width, height, bits } = shape;
+        Ok(Self { width, height, pixels, images, lights, positions, bits, transfer })
     }
 
     /// Returns the unit vector from a pixel of the mask towards a light.
@@ -135,7 +176,7 @@ impl Samples {
 const BORDER: f64 = 2.0;
 
 /// Returns the photographs of a white board, in the order of the set.
-fn flats(folder: &Path, set: &PhotographSet) -> Result<Vec<std::path::PathBuf>> {
+pub fn flats(folder: &Path, set: &PhotographSet) -> Result<Vec<std::path::PathBuf>> {
     let names = crate::folder::Folder::read(folder)?;
     let of = |photograph: &Photograph| {
         let name = photograph.path.file_name().unwrap_or_default().to_string_lossy();
@@ -144,12 +185,11 @@ fn flats(folder: &Path, set: &PhotographSet) -> Result<Vec<std::path::PathBuf>> 
     set.photographs.iter().map(of).collect()
 }
 
-/// Divides samples by those of a white board that faces the camera, which show all unevenness of the light, and l_z.
-fn divide(samples: &mut [Sample], board: &[Sample], cosine: impl Fn(usize) -> f64) {
-    for (i, (sample, board)) in samples.iter_mut().zip(board).enumerate() {
-        let white = f64::from(board.grey());
-        *sample = sample.times(if white > 0.0 { cosine(i).max(0.0) / white } else { 0.0 });
-    }
+/// Returns the factor of a sample that removes all unevenness of the light, which a white board facing the camera
+/// shows, times `cosine`, l_z.
+pub fn flattening(board: Sample, cosine: f64) -> f64 {
+    let white = f64::from(board.grey());
+    if white > 0.0 { cosine.max(0.0) / white } else { 0.0 }
 }
 
 /// Returns the memory for reading and estimating: samples, one decoded photograph for each thread, and results.
@@ -169,19 +209,20 @@ fn estimated_bytes(photographs: usize, pixels: usize, shape: Shape) -> u64 {
 }
 
 fn mask_pixels(path: &Path, shape: Shape, limits: &Limits) -> Result<Vec<u32>> {
-    let mask = read_bitmap_within(path, limits)?;
+    pixels_within(&read_bitmap_within(path, limits)?, shape, &path.display().to_string())
+}
+
+/// Returns the pixels within a mask; `name` is that of the mask in errors.
+fn pixels_within(mask: &Bitmap, shape: Shape, name: &str) -> Result<Vec<u32>> {
     if (mask.width(), mask.height()) != (shape.width, shape.height) {
-        let what = format!("{}: a mask of {}x{}", path.display(), mask.width(), mask.height());
+        let what = format!("{name}: a mask of {}x{}", mask.width(), mask.height());
         let why = format!("the photographs have {}x{}; they must be the same", shape.width, shape.height);
         return Err(Error::invalid(what, why));
     }
     let pixels: Vec<u32> =
         (0..shape.width * shape.height).filter(|i| is_inside(mask.stored(*i as usize))).collect();
     match pixels.is_empty() {
-        true => Err(Error::invalid(
-            format!("{}: an empty mask", path.display()),
-            "pixels to estimate must be white",
-        )),
+        true => Err(Error::invalid(format!("{name}: an empty mask"), "pixels to estimate must be white")),
         false => Ok(pixels),
     }
 }

@@ -7,6 +7,7 @@ use crate::folder::{Folder, check_format};
 use crate::light::{self, Light};
 use crate::lp::{Entry, parse_lp};
 use crate::photograph::Photograph;
+use crate::relight::{Relightable, lights_of_relit};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use taotie_engine::error::{Error, Result};
@@ -23,7 +24,7 @@ pub struct PhotographSet {
     pub mask: Option<PathBuf>,
     /// The file that states the lights, or the folder of photographs with chrome balls.
     pub lights: PathBuf,
-    /// `lp`, `diligent` or `balls`.
+    /// `lp`, `diligent`, `balls` or `relightable`.
     pub layout: &'static str,
     /// All files that were read, except for the photographs.
     pub files: Vec<PathBuf>,
@@ -31,6 +32,8 @@ pub struct PhotographSet {
     pub balls: Vec<Circle>,
     /// The chrome balls that the lights follow from.
     pub chrome: Option<Balls>,
+    /// The relightable image that the photographs are made from, one for each light; their paths are only names.
+    pub relightable: Option<Relightable>,
 }
 
 /// The longest file of lights, bytes.
@@ -73,7 +76,10 @@ impl PhotographSet {
             if given {
                 return Err(several(&path.display().to_string(), "chrome balls"));
             }
-            return Self::of_lp(path, setup, warnings);
+            return match Relightable::is_named(path) {
+                true => Self::of_relightable(path, setup, warnings),
+                false => Self::of_lp(path, setup, warnings),
+            };
         }
         let folder = Folder::read(path)?;
         let lps: Vec<&str> = folder.with_extension(&["lp"]).collect();
@@ -81,6 +87,10 @@ impl PhotographSet {
         match (lps.as_slice(), found) {
             ([], [Some(names), Some(directions), intensities]) => {
                 Self::of_diligent(&folder, [names, directions], intensities, warnings)
+            }
+            ([], [None, None, _]) if !given && Relightable::of_folder(path).is_some() => {
+                let info = Relightable::of_folder(path).unwrap_or_default();
+                Self::of_relightable(&info, setup, warnings)
             }
             ([], [None, None, _]) => {
                 Self::of_balls((&folder, path), setup, progress)?.checked(&folder, warnings)
@@ -148,6 +158,7 @@ impl PhotographSet {
             files: vec![path.into()],
             balls: Vec::new(),
             chrome: None,
+            relightable: None,
         }
         .checked(&folder, warnings)
     }
@@ -185,8 +196,33 @@ impl PhotographSet {
             files,
             balls: Vec::new(),
             chrome: None,
+            relightable: None,
         }
         .checked(folder, warnings)
+    }
+
+    /// Makes photographs from a relightable image.
+    fn of_relightable(path: &Path, setup: &Setup, warnings: &mut Warnings) -> Result<Self> {
+        let image = Relightable::open(path, &setup.limits)?;
+        warnings.note(
+            "relit from an image, not photographed: shadows and highlights are smoothed, so that normals are less accurate, and \
+             their sigma is a rough estimate",
+            1,
+        );
+        let photograph = |(i, direction)| Photograph {
+            path: format!("light {}", i + 1).into(),
+            light: Light { direction, intensity: [1.0; 3], position: None },
+        };
+        Ok(Self {
+            photographs: lights_of_relit().into_iter().enumerate().map(photograph).collect(),
+            mask: None,
+            lights: path.to_path_buf(),
+            layout: "relightable",
+            files: vec![path.into()],
+            balls: Vec::new(),
+            chrome: None,
+            relightable: Some(image),
+        })
     }
 
     fn of_balls((folder, path): (&Folder, &Path), setup: &Setup, progress: Progress<'_>) -> Result<Self> {
@@ -209,6 +245,7 @@ impl PhotographSet {
             files: Vec::new(),
             balls: chrome.outlines.iter().map(|outline| outline.circle).collect(),
             chrome: Some(chrome),
+            relightable: None,
         })
     }
 

@@ -16,6 +16,7 @@ mod material;
 mod model;
 mod options;
 mod parts;
+mod photometric;
 mod picture;
 mod renderer;
 mod scene;
@@ -45,6 +46,8 @@ mod _taotie {
     use super::convert::{color, convert, diff, normals_of_heights, write_png};
     #[pymodule_export]
     use super::model::{Model, load, model_of_parts};
+    #[pymodule_export]
+    use super::photometric::{Normals, photometric};
     #[pymodule_export]
     use super::picture::{write_heat, write_photo};
     #[pymodule_export]

@@ -20,6 +20,8 @@ pub struct Page {
     pub features: Vec<View>,
     /// Pictures, a tab for each view.
     pub views: Vec<View>,
+    /// Above the model, if the page contains one; by default, that it is an asset as written.
+    pub model_note: String,
     /// Text, tables and histograms below the pictures, in order.
     pub sections: Vec<Section>,
     /// At the end: the origin of the page.

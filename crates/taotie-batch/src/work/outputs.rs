@@ -11,7 +11,7 @@ use taotie::{Bytes, Limits, Picture, Progress, RenderSettings, Result, Scene};
 use taotie_engine::image::{Encoding, Texels};
 use taotie_io::{AnimatedImage, AnimationFormat, AnimationSpec, FileSet, ImageCodec, LossyTexture};
 use taotie_report::bake_page;
-use taotie_report::viewer::AssetSubject;
+use taotie_report::viewer::{AssetSubject, Staging};
 
 /// The callbacks of a process: to its driver, and to signal handling.
 #[derive(Clone, Copy)]
@@ -171,8 +171,15 @@ fn picture(size: u32) -> Picture {
 /// Read and write errors.
 pub fn viewer_page(model: &Path, (path, files): Target<'_>, work: &Work<'_>) -> Result<()> {
     let limits = Limits { memory: work.limit(), ..Limits::default() };
-    let subject =
-        AssetSubject { path: model, title: &work.stem(), limits: &limits, errors: None, rays: None };
+    let title = work.stem();
+    let subject = AssetSubject {
+        path: model,
+        title: &title,
+        limits: &limits,
+        errors: None,
+        rays: None,
+        staging: Staging::default(),
+    };
     let (page, _) = subject.page(&|viewer| viewer.html())?;
     files.write_text(path, &page)
 }

@@ -3,7 +3,7 @@
 //! The library's [`Inspection`] is made once; the text and the JSON are two ways to print it.
 
 mod report;
-mod words;
+pub(crate) mod words;
 
 use crate::running::{LimitArgs, in_pool};
 use crate::{Outcome, console};

@@ -6,7 +6,7 @@ use anyhow::Result;
 use clap::Args;
 use std::path::PathBuf;
 use taotie_io::FileSet;
-use taotie_photometric::{Circle, PhotographSet, Setup, Transfer};
+use taotie_photometric::{Circle, PhotographSet, RelightFormat, Setup, Transfer};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -15,10 +15,12 @@ Examples:
   taotie photometric with_chrome_balls -o out --pixel-size 0.05
   taotie photometric with_chrome_balls -o out --ball 310.5,220,64 --grey-ball 900,215,60
   taotie photometric generated -o out --truth truth.normals.exr
+  taotie photometric coin/dome.lp -o coin_web --relight openlime,ptm
+  taotie photometric old_scan.ptm -o out
 
 FOLDER holds photographs from one position under changing light, with an .lp file, or filenames.txt, \
 light_directions.txt and light_intensities.txt as in the DiLiGenT data set; or the photographs show chrome balls, from \
-whose highlights the lights follow. 16-bit and float files are read as \
+whose highlights the lights follow. A .ptm or .rti file, or the info.json of relight, is relit by 40 lights. 16-bit and float files are read as \
 linear, 8-bit files as sRGB. x points to the right, y up, z towards the camera.
 
 The displayed uncertainty is the radius in degrees that holds 68 % of the probability.";
@@ -27,11 +29,11 @@ The displayed uncertainty is the radius in degrees that holds 68 % of the probab
 #[derive(Args)]
 #[command(before_help = EXAMPLES)]
 pub struct PhotometricArgs {
-    /// The folder of photographs, or their .lp file
-    #[arg(value_name = "FOLDER|FILE.lp")]
+    /// The folder of photographs, or their .lp file; or a relightable image
+    #[arg(value_name = "FOLDER|FILE")]
     pub input: PathBuf,
     /// The folder to write: normals, uncertainty, albedo, residuals, mask, depth, plane.glb with the maps,
-    /// relief.glb, and report.json
+    /// relief.glb, report.html, and report.json
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
     /// The mask: white where normals are estimated [default: mask.png next to the photographs, otherwise everything]
@@ -57,6 +59,9 @@ pub struct PhotometricArgs {
     /// larger, their means over each pixel
     #[arg(long, value_name = "FILE")]
     pub truth: Option<PathBuf>,
+    /// Relightable images to write in addition: ptm, ptm-rgb, rti, openlime
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = options::named::<RelightFormat>)]
+    pub relight: Vec<RelightFormat>,
 
     #[command(flatten)]
     pub memory: MemoryArgs,
@@ -65,7 +70,7 @@ pub struct PhotometricArgs {
 }
 
 /// The files that are written.
-pub const OUTPUTS: [&str; 11] = [
+pub const OUTPUTS: [&str; 12] = [
     "normals.png",
     "normals.exr",
     "sigma.png",
@@ -76,6 +81,7 @@ pub const OUTPUTS: [&str; 11] = [
     "depth.exr",
     "plane.glb",
     "relief.glb",
+    "report.html",
     "report.json",
 ];
 

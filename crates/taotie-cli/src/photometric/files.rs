@@ -1,26 +1,34 @@
 //! The files that `taotie photometric` writes.
 
-use super::PhotometricArgs;
-use anyhow::Result;
-use taotie_engine::Warnings;
+use std::path::Path;
 use taotie_engine::compare::ColorMap;
 use taotie_engine::film::Development;
 use taotie_engine::image::{Encoding, Image};
 use taotie_engine::math::srgb::srgb_from_linear;
+use taotie_engine::{Result, Warnings};
 use taotie_io::{FileSet, ImageFormat, PngColor, PngImage, PngSamples};
 use taotie_photometric::{Estimate, Estimator, Relief};
 use taotie_report::heat_map::HeatMap;
 
-/// Writes the files of an estimate.
+/// Writes the files of an estimate, without its reports.
 pub struct Output<'a> {
-    pub args: &'a PhotometricArgs,
+    /// The folder.
+    pub folder: &'a Path,
+    /// The side of a pixel, which is the unit of depth.
+    pub pixel_size: f64,
+    /// The set that the files belong to.
     pub files: &'a FileSet,
+    /// Normals, uncertainty and albedo.
     pub estimate: &'a Estimate,
+    /// Heights.
     pub relief: &'a Relief,
 }
 
 impl Output<'_> {
-    /// Writes all files except the report, and returns warnings about the GLB.
+    /// Writes all files, and returns warnings about the GLBs.
+    ///
+    /// # Errors
+    /// Those of the file system.
     pub fn write(&self) -> Result<Warnings> {
         self.write_normals()?;
         let sigma = self.estimate.image(|_, best| {
@@ -34,17 +42,16 @@ impl Output<'_> {
         self.write_grey("albedo.png", &albedo_codes(self.estimate), Encoding::Srgb)?;
         let mut warnings = Warnings::default();
         let plane = taotie_io::encode_scene(&self.estimate.plane()?, &["plane".to_owned()], &mut warnings)?;
-        self.files.write_bytes(&self.args.path("plane.glb"), &plane)?;
-        let pixel_size = self.args.pixel_size.unwrap_or(1.0);
-        self.write_floats("depth.exr", &self.relief.image(pixel_size))?;
-        let surface = self.estimate.surface(self.relief, pixel_size)?;
+        self.files.write_bytes(&self.folder.join("plane.glb"), &plane)?;
+        self.write_floats("depth.exr", &self.relief.image(self.pixel_size))?;
+        let surface = self.estimate.surface(self.relief, self.pixel_size)?;
         warnings.note(
             "no four neighbouring pixels have a normal: relief.glb holds the flat rectangle",
             usize::from(surface.is_none()),
         );
         let surface = surface.map_or_else(|| self.estimate.plane(), Ok)?;
         let relief = taotie_io::encode_scene(&surface, &["relief".to_owned()], &mut warnings)?;
-        self.files.write_bytes(&self.args.path("relief.glb"), &relief)?;
+        self.files.write_bytes(&self.folder.join("relief.glb"), &relief)?;
         Ok(warnings)
     }
 
@@ -59,22 +66,22 @@ impl Output<'_> {
             samples: PngSamples::U16(codes.as_flattened()),
             encoding: Encoding::Linear,
         };
-        self.files.write_png(&self.args.path("normals.png"), &image)?;
+        self.files.write_png(&self.folder.join("normals.png"), &image)?;
         let has_normal = |pixel: &[f32; 4]| if pixel[3] > 0.0 { 255 } else { 0 };
         let mask: Vec<u8> = normals.pixels().iter().map(has_normal).collect();
         self.write_grey("mask.png", &mask, Encoding::Linear)
     }
 
     fn write_floats(&self, name: &str, image: &Image) -> Result<()> {
-        let path = self.args.path(name);
-        Ok(self.files.write_image(&path, image, &Development::default(), ImageFormat::Exr)?)
+        let path = self.folder.join(name);
+        self.files.write_image(&path, image, &Development::default(), ImageFormat::Exr)
     }
 
     fn write_grey(&self, name: &str, codes: &[u8], encoding: Encoding) -> Result<()> {
         let (width, height) = (self.estimate.width(), self.estimate.height());
         let samples = PngSamples::U8(codes);
         let image = PngImage { width, height, color: PngColor::Grey, samples, encoding };
-        Ok(self.files.write_png(&self.args.path(name), &image)?)
+        self.files.write_png(&self.folder.join(name), &image)
     }
 
     /// Writes the uncertainty as colours; the last is for the 95th percentile.
@@ -84,15 +91,20 @@ impl Output<'_> {
         // Narrow pictures have room for little.
         let title = "sigma";
         let map = HeatMap { field: &field, title, unit: "°", map: ColorMap::Viridis, top }.with_scale();
-        Ok(self.files.write_png(&self.args.path("sigma.png"), &map.png())?)
+        self.files.write_png(&self.folder.join("sigma.png"), &map.png())
     }
 }
 
-/// Returns the albedo in sRGB, relative to the 99th percentile.
-fn albedo_codes(estimate: &Estimate) -> Vec<u8> {
+/// Returns the 99th percentile of the albedo, which is displayed as white.
+pub fn white(estimate: &Estimate) -> f64 {
     let mut sorted: Vec<f64> = estimate.best.iter().flatten().map(|best| best.albedo).collect();
     sorted.sort_unstable_by(f64::total_cmp);
-    let white = sorted.get(sorted.len() * 99 / 100).copied().unwrap_or(1.0).max(f64::MIN_POSITIVE);
+    sorted.get(sorted.len() * 99 / 100).copied().unwrap_or(1.0).max(f64::MIN_POSITIVE)
+}
+
+/// Returns the albedo in sRGB, relative to the 99th percentile.
+pub fn albedo_codes(estimate: &Estimate) -> Vec<u8> {
+    let white = white(estimate);
     let code = |v: f32| (srgb_from_linear(f64::from(v).clamp(0.0, 1.0)) * 255.0 + 0.5) as u8;
     let albedo = estimate.image(|_, best| [best.albedo / white; 3]);
     albedo.pixels().iter().map(|pixel| code(pixel[0])).collect()

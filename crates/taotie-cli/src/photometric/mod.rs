@@ -2,14 +2,19 @@
 
 mod args;
 mod files;
+mod page;
+mod relight;
 mod report;
 
 pub use args::PhotometricArgs;
+pub use files::Output;
 
 use crate::bake::clock::Clock;
 use crate::{console, stop};
 use anyhow::{Result, bail};
-use files::Output;
+use files::albedo_codes;
+use page::PhotometricPage;
+use relight::Relighting;
 use report::{Errors, Report};
 use std::path::Path;
 use taotie::comparison::diff::guessed_encoding;
@@ -39,6 +44,7 @@ fn estimate(args: &PhotometricArgs) -> Result<Report> {
     let progress = Progress::new(&listener);
     let set = PhotographSet::open_with(&args.input, &args.setup(), &mut warnings, progress)?;
     args.claim(&files, &set)?;
+    relight::claim(args, &files, &set)?;
     let truth = args.truth.as_deref().map(|path| read_truth(args, path)).transpose()?;
     let reading = Reading {
         mask: args.mask.as_deref(),
@@ -59,7 +65,9 @@ fn estimate(args: &PhotometricArgs) -> Result<Report> {
     let estimate = Estimate::of(&samples, progress)?;
     let without = estimate.best.iter().filter(|best| best.is_none()).count();
     warnings.note("a pixel has no normal: too little light, or too few samples that agree", without);
-    if let Some(exponent) = estimate.exponent.filter(|exponent| (exponent - 1.0).abs() > CURVED) {
+    let curved = estimate.exponent.filter(|exponent| (exponent - 1.0).abs() > CURVED);
+    // Polynomials bend the curve of brightness too.
+    if let Some(exponent) = curved.filter(|_| set.relightable.is_none()) {
         let what = format!(
             "brightness grows like the power {exponent:.2} of the light: the photographs may not be {}; see --encoding",
             samples.transfer.name()
@@ -68,10 +76,30 @@ fn estimate(args: &PhotometricArgs) -> Result<Report> {
     }
     let relief = estimate.relief(progress.begin("depth")?)?;
     progress.begin("write")?;
-    warnings.absorb(Output { args, files: &files, estimate: &estimate, relief: &relief }.write()?);
-    let errors = truth.map(|truth| errors(&estimate, &truth)).transpose()?;
+    let output = Output {
+        folder: &args.output,
+        pixel_size: args.pixel_size.unwrap_or(1.0),
+        files: &files,
+        estimate: &estimate,
+        relief: &relief,
+    };
+    warnings.absorb(output.write()?);
+    let relighting = Relighting { args, files: &files, set: &set, reading: &reading };
+    let relightable = relighting.write(&estimate, progress)?;
+    let errors = truth.as_ref().map(|truth| errors(&estimate, truth)).transpose()?;
     let mut report = Report::new(args, &set, &samples, &estimate);
     report.truth = errors;
+    report.relight = relightable;
+    report.warnings = warnings.list();
+    let page = PhotometricPage {
+        report: &report,
+        estimate: &estimate,
+        albedo: &albedo_codes(&estimate),
+        truth: truth.as_ref(),
+    };
+    let (page, found) = page.html(&files.current(&args.path("relief.glb")))?;
+    warnings.absorb(found);
+    files.write_text(&args.path("report.html"), &page)?;
     report.warnings = warnings.list();
     report.stages = clock.done();
     files.write_text(&args.path("report.json"), &serde_json::to_string_pretty(&report)?)?;

@@ -2,6 +2,7 @@
 
 use super::PhotometricArgs;
 use super::args::OUTPUTS;
+use super::relight::RelightReport;
 use crate::console::name_of;
 use serde::Serialize;
 use std::fmt::Write;
@@ -22,50 +23,52 @@ const WORST: usize = 3;
 /// The report on photographs.
 #[derive(Serialize)]
 pub struct Report {
-    schema: u32,
+    pub schema: u32,
     /// Version of the program.
-    version: &'static str,
+    pub version: &'static str,
     /// The folder or `.lp` file, as given.
-    input: String,
+    pub input: String,
     /// The folder of the written files.
-    output: String,
+    pub output: String,
     /// The file that states the lights.
-    lights_from: String,
-    /// The source of the lights: `lp`, `diligent` or `balls`.
-    layout: &'static str,
+    pub lights_from: String,
+    /// The source of the lights: `lp`, `diligent`, `balls` or `relightable`.
+    pub layout: &'static str,
     /// Chrome balls: x and y of the centre from the top left corner, radius, and root mean square distance of the edge
     /// from the circle, pixels.
-    balls: Vec<[f64; 4]>,
+    pub balls: Vec<[f64; 4]>,
     /// Root mean square angle between the directions that several chrome balls show and the lights, degrees.
-    ball_residual: Option<f64>,
+    pub ball_residual: Option<f64>,
     /// The exponent between fitted and measured brightness: near 1 if the photographs are linear.
-    exponent: Option<f64>,
+    pub exponent: Option<f64>,
     /// The side of a pixel, which is the unit of depth; `None` if depth is in pixels.
-    pixel_size: Option<f64>,
+    pub pixel_size: Option<f64>,
     /// The mask that was used.
-    mask: Option<String>,
+    pub mask: Option<String>,
     /// Pixels across and down.
-    size: [u32; 2],
+    pub size: [u32; 2],
     /// Bits per channel of the photographs.
-    bits: u8,
+    pub bits: u8,
     /// The assumed encoding of the photographs: `linear` or `srgb`.
-    encoding: &'static str,
+    pub encoding: &'static str,
     /// Pixels with a normal.
-    pixels: usize,
+    pub pixels: usize,
     /// Degrees within which 68 % of the true normals are expected, over all pixels.
-    sigma: Option<Summary>,
+    pub sigma: Option<Summary>,
     /// Degrees between the normals by least squares and the robust ones.
-    rejection: Option<Summary>,
+    pub rejection: Option<Summary>,
     /// Degrees between the robust normals and those without indirect light.
-    indirect: Option<Summary>,
+    pub indirect: Option<Summary>,
     /// The albedo of bright pixels that indirect light implies.
-    albedo: f64,
+    pub albedo: f64,
     /// The samples in shadow that the albedo was measured in; 0 if it is assumed.
-    shadow_samples: usize,
+    pub shadow_samples: usize,
     /// Light in shadows that the estimated relief does not explain, relative to all light there, in [0, 1].
-    unexplained: f64,
+    pub unexplained: f64,
     /// The photographs, in order.
-    photographs: Vec<PhotographReport>,
+    pub photographs: Vec<PhotographReport>,
+    /// The relightable images that were written.
+    pub relight: Vec<RelightReport>,
     /// Degrees between the estimates and the true normals.
     pub truth: Option<Errors>,
     /// The duration of each stage.
@@ -76,21 +79,21 @@ pub struct Report {
 
 /// A photograph and how well the estimate explains it.
 #[derive(Serialize)]
-struct PhotographReport {
+pub struct PhotographReport {
     /// The name of its file.
-    name: String,
+    pub name: String,
     /// Unit vector towards the light, from the picture's centre.
-    direction: [f64; 3],
+    pub direction: [f64; 3],
     /// The place of a near lamp, pixels from the picture's centre.
-    position: Option<[f64; 3]>,
+    pub position: Option<[f64; 3]>,
     /// Brightness of the light relative to the others.
-    brightness: f64,
+    pub brightness: f64,
     /// Root mean square of the residuals of lit samples, relative to the albedo.
-    residual: f64,
+    pub residual: f64,
     /// Fraction of the samples that are in shadow, in [0, 1].
-    shadowed: f64,
+    pub shadowed: f64,
     /// Fraction of the samples without weight in the fit, in [0, 1].
-    rejected: f64,
+    pub rejected: f64,
 }
 
 /// Degrees between estimates and true normals.
@@ -151,6 +154,7 @@ impl Report {
             shadow_samples: estimate.shadows,
             unexplained: estimate.unexplained,
             photographs: lights.map(photograph).collect(),
+            relight: Vec::new(),
             truth: None,
             stages: Vec::new(),
             warnings: Vec::new(),
@@ -159,15 +163,20 @@ impl Report {
 
     /// Returns the report as text.
     pub fn text(&self) -> String {
-        let mut text = format!(
-            "read       {} photographs of {}x{}, {} bits, {}; lights from {}\n",
-            self.photographs.len(),
-            self.size[0],
-            self.size[1],
-            self.bits,
-            if self.encoding == "srgb" { "sRGB" } else { "linear" },
-            self.lights_from
-        );
+        let encoding = if self.encoding == "srgb" { "sRGB" } else { "linear" };
+        let (count, [width, height]) = (self.photographs.len(), self.size);
+        let mut text = match self.layout {
+            "relightable" => {
+                format!(
+                    "read       {}, {width}x{height}, {encoding}, relit by {count} lights\n",
+                    self.lights_from
+                )
+            }
+            _ => format!(
+                "read       {count} photographs of {width}x{height}, {} bits, {encoding}; lights from {}\n",
+                self.bits, self.lights_from
+            ),
+        };
         for [x, y, radius, residual] in &self.balls {
             let _ = writeln!(
                 text,
@@ -239,7 +248,16 @@ impl Report {
                 );
             }
         }
-        let _ = write!(text, "\nwrote {} to {}", OUTPUTS.join(", "), self.output);
+        for RelightReport { file, terms, bytes, psnr, worst_psnr, worst } in &self.relight {
+            let _ = writeln!(
+                text,
+                "relight    {file}: {terms} terms, {:.1} MB, {psnr:.1} dB; worst {worst} ({worst_psnr:.1} dB)",
+                *bytes as f64 / 1e6
+            );
+        }
+        let relight = self.relight.iter().map(|relight| relight.file);
+        let files: Vec<&str> = OUTPUTS.into_iter().chain(relight).collect();
+        let _ = write!(text, "\nwrote {} to {}", files.join(", "), self.output);
         text
     }
 }

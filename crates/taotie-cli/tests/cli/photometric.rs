@@ -74,6 +74,12 @@ fn normals_are_those_of_the_model() {
     ] {
         assert!(place.path("out").join(name).is_file(), "{name}");
     }
+    let page = String::from_utf8(place.read("out/report.html")).expect("it is text");
+    for part in
+        ["<title>dome.lp</title>", "id=\"taotie-data\"", "\"least squares\"", "\"Worst pixels\"", "p11.exr"]
+    {
+        assert!(page.contains(part), "{part}");
+    }
     let written: Value = serde_json::from_slice(&place.read("out/report.json")).expect("it is JSON");
     assert_eq!(written["sigma"], report["sigma"]);
     place.taotie("diff normals.exr out/normals.exr --metric angle --threshold 2").assert().code(0);
@@ -96,6 +102,38 @@ fn the_text_states_what_was_assumed() {
 }
 
 #[test]
+fn relightable_images_are_written_and_give_normals_again() {
+    let place = photographed();
+    let command = "photometric dome.lp -o out --relight ptm,ptm-rgb,rti,openlime --json";
+    let run = place.taotie(command).assert().success();
+    let report: Value = serde_json::from_slice(&run.get_output().stdout).expect("it is JSON");
+    schemas::check("photometric", &report);
+    let relit = report["relight"].as_array().expect("a list");
+    assert_eq!(relit.len(), 4);
+    for (relit, file) in
+        relit.iter().zip(["relight.ptm", "relight_rgb.ptm", "relight.rti", "openlime/info.json"])
+    {
+        assert_eq!(relit["file"], file);
+        assert!(relit["psnr"].as_f64().expect("a number") > 25.0, "{relit}");
+        let again = format!("photometric out/{file} -o again --truth normals.exr --json");
+        let run = place.taotie(&again).assert().success();
+        let warning = String::from_utf8_lossy(&run.get_output().stderr).into_owned();
+        assert!(warning.contains("relit from an image") && !warning.contains("--encoding"), "{warning}");
+        let report: Value = serde_json::from_slice(&run.get_output().stdout).expect("it is JSON");
+        schemas::check("photometric", &report);
+        assert_eq!(report["layout"], "relightable");
+        let mean = report["truth"]["best"]["mean"].as_f64().expect("a number");
+        assert!(mean < 6.0, "{file}: {mean}");
+    }
+    // A folder with the description is the same as the description.
+    place.taotie("photometric out/openlime -o web").assert().success();
+    assert_eq!(place.read("web/normals.exr"), place.read("again/normals.exr"));
+    let run = place.taotie("photometric out/relight.ptm -o x --relight rti").assert().code(2);
+    let error = String::from_utf8_lossy(&run.get_output().stderr).into_owned();
+    assert!(error.contains("out/relight.ptm is relightable already"), "{error}");
+}
+
+#[test]
 fn errors_are_errors_and_leave_nothing_behind() {
     let place = photographed();
     place.write("short.lp", "3\np0.exr 0 0 1\n");
@@ -105,6 +143,7 @@ fn errors_are_errors_and_leave_nothing_behind() {
         ("photometric dome.lp -o out --memory-limit 1M", "--memory-limit"),
         ("photometric dome.lp -o out --encoding gamma", "unknown encoding of photographs `gamma`"),
         ("photometric . -o out", "several files of lights"),
+        ("photometric dome.lp -o out --relight jpg", "unknown relightable format `jpg`"),
     ] {
         let run = place.taotie(line).assert().code(2).stdout_eq("");
         let error = String::from_utf8_lossy(&run.get_output().stderr).into_owned();

@@ -5,5 +5,6 @@ mod accuracy;
 mod balls;
 mod malformed;
 mod plane;
+mod relight;
 mod speed;
 mod studio;

@@ -28,7 +28,7 @@ mod views;
 
 pub use trials::trials_csv;
 
-use crate::viewer::{AssetSubject, MeasuredErrors};
+use crate::viewer::{AssetSubject, MeasuredErrors, Staging};
 use crate::{Notice, Page, Section, Tone};
 use certificate::Judge;
 use std::path::Path;
@@ -142,6 +142,7 @@ pub fn html_with_asset(
         limits: &Limits::default(),
         errors: MeasuredErrors::of(proof),
         rays: rays.as_ref().filter(|rays| !rays.met.is_empty()),
+        staging: Staging::default(),
     };
     match subject.page(&|viewer| viewer.within(page)) {
         Ok(written) => written,

@@ -33,7 +33,8 @@
  * @typedef {{ text: string, tone: "good" | "bad" | "changed" }} Notice
  * @typedef {{
  *   title: string, subtitle: string, notices: Notice[], facts: { name: string, value: string }[],
- *   statement: Statement | null, features: View[], views: View[], sections: Section[], footer: string
+ *   statement: Statement | null, features: View[], views: View[], model_note: string, sections: Section[],
+ *   footer: string
  * }} Page
  */
 
@@ -41,12 +42,12 @@
  * @param {Page} page
  * @returns {HTMLElement[]}
  */
-function contentOf({ title, subtitle, notices, facts, statement, features, views, sections, footer }) {
+function contentOf({ title, subtitle, notices, facts, statement, features, views, model_note, sections, footer }) {
   const list = facts.flatMap(({ name, value }) => el("div", {}, el("dt", {}, name), el("dd", {}, value)));
   const head = el("header", { class: "head" }, el("h1", {}, title), ...note("subtitle", subtitle));
   if (notices.length) head.append(el("ul", { class: "notices" }, ...notices.map(noticeOf)));
   if (list.length) head.append(el("dl", {}, ...list));
-  const all = [...modelViews(), ...views];
+  const all = [...modelViews(model_note), ...views];
   return [
     head,
     ...(statement ? [statementOf(statement)] : []),

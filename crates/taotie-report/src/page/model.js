@@ -3,11 +3,12 @@
 
 /**
  * The view of the asset; none if the page contains only pictures.
+ * @param {string} own
  * @returns {View[]}
  */
-function modelViews() {
+function modelViews(own) {
   if (!document.getElementById("taotie-data")) return [];
-  const note = "The asset as written. Drag to rotate it or move the light; \u201cShow\u201d has its normal error.";
+  const note = own || "The asset as written. Drag to rotate it or move the light; \u201cShow\u201d has its normal error.";
   return [{ name: "model", note, pictures: [], legend: null, isModel: true }];
 }
 

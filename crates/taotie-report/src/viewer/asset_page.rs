@@ -1,6 +1,6 @@
 //! The viewer of an asset file, with the default light and camera of a picture and the metadata that the file states.
 
-use super::{MeasuredErrors, Subject, Viewer};
+use super::{Bookmark, MeasuredErrors, Subject, Viewer};
 use crate::Fact;
 use std::path::Path;
 use taotie::Limits;
@@ -34,6 +34,19 @@ pub struct AssetSubject<'a> {
     pub errors: Option<MeasuredErrors<'a>>,
     /// Projection rays of its bake, in the space of the file.
     pub rays: Option<&'a RayPreview>,
+    /// How it is first seen.
+    pub staging: Staging<'a>,
+}
+
+/// How an asset is first seen; by default as in a picture.
+#[derive(Clone, Copy, Default)]
+pub struct Staging<'a> {
+    /// The camera.
+    pub camera: Option<&'a CameraOptions>,
+    /// The light.
+    pub light: Option<&'a LightOptions>,
+    /// Further views that the page offers.
+    pub bookmarks: &'a [Bookmark],
 }
 
 /// Returns the maximum size of a page for an asset of `bytes`: the asset in base64, and 3 MB for everything else.
@@ -71,17 +84,19 @@ impl AssetSubject<'_> {
         let settings = RenderSettings::default();
         let prepared = Prepared::new(scene, &settings.surface)?;
         let framing = Framing { size: [1024; 2], all_around: false };
-        let viewpoint = Viewpoint::choose(&CameraOptions::default(), framing, prepared.scene())?;
+        let Staging { camera, light, bookmarks } = self.staging;
+        let (camera, light) = (camera.cloned().unwrap_or_default(), light.cloned().unwrap_or_default());
+        let viewpoint = Viewpoint::choose(&camera, framing, prepared.scene())?;
         let view = viewpoint.at(0.0);
         Viewer::new(&Subject {
             title: self.title,
             facts: &facts,
             unit,
-            bookmarks: &[],
+            bookmarks,
             prepared: &prepared,
             settings: &settings,
             camera: &view.camera(),
-            lighting: &LightOptions::default().lighting(None, prepared.scene(), view),
+            lighting: &light.lighting(None, prepared.scene(), view),
             development: &Development::default(),
             scan: None,
             errors: self.errors,

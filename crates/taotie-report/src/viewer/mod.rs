@@ -16,7 +16,7 @@ mod still;
 mod surfaces;
 mod views;
 
-pub use asset_page::{AssetSubject, MOST_TEXTURE_SIDE, facts, most_page_bytes};
+pub use asset_page::{AssetSubject, MOST_TEXTURE_SIDE, Staging, facts, most_page_bytes};
 pub use data::Subject;
 pub use document::{PageFile, SCRIPT};
 pub use folder::FolderFiles;

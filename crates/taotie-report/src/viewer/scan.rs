@@ -20,7 +20,7 @@ pub const MOST_TRIANGLES: usize = 1_000_000;
 const MAP: u32 = 1024;
 /// The maximum side of the error map in a report, texels.
 const SHRUNK: u32 = 512;
-/// The angle at the end of the colour scale, degrees.
+/// The angle at the end of the colour scale of errors, degrees.
 const TOP: f32 = 10.0;
 /// The number of colours in the legend.
 const STOPS: usize = 17;
@@ -62,9 +62,10 @@ pub fn scene_to_show(scene: &Scene, high: &bake::Scan, warnings: &mut Warnings) 
     })
 }
 
-/// The normal error of an asset at the texels of its maps, and its distance from the scan.
+/// Degrees at the texels of an asset's maps: its normal error, or the uncertainty of its normals.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct Errors {
+    quantity: Quantity,
     /// The map of each surface; `None` if it has no uvs or its normals cannot be laid out on them.
     maps: Vec<Option<ErrorMap>>,
     /// The degrees at the last colour, and the colours from 0 to it.
@@ -72,10 +73,26 @@ pub(super) struct Errors {
     stops: Vec<[u8; 3]>,
     /// Steps per degree.
     steps: f32,
-    /// The mean on the surface in degrees, from the proof rather than from the texels.
+    /// The mean on the surface in degrees; of errors, from the proof rather than from the texels.
     mean: Option<f64>,
-    /// In the unit of the model.
+    /// The distance from the scan.
+    distance: Option<Distance>,
+}
+
+/// The meaning of the degrees on a surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+enum Quantity {
+    Error,
+    Uncertainty,
+}
+
+/// Distances of two shapes, in the unit of the model.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+struct Distance {
+    /// Root mean square.
     rms: f64,
+    /// Upper bound of the largest.
     hausdorff: f64,
 }
 
@@ -110,11 +127,10 @@ pub(super) fn errors(prepared: &Prepared, scan: &Scan, warnings: &mut Warnings) 
     Ok((errors, Blob::new("errors", bytes_of_words(codes.into_iter()))))
 }
 
-/// The errors of a model that were measured earlier.
+/// The errors of a model that were measured earlier, or its uncertainty.
 #[derive(Clone, Copy)]
 pub struct MeasuredErrors<'a> {
-    /// The angles between the normals of model and scan in degrees, over the map of the model's single surface. With
-    /// several surfaces, no map is shown.
+    /// Degrees over the map of the model's single surface. With several surfaces, no map is shown.
     normals: &'a Field,
     figures: ShownFigures,
 }
@@ -125,26 +141,34 @@ impl<'a> MeasuredErrors<'a> {
         let figures = ShownFigures::of(&proof.figures);
         proof.error_map.as_ref().map(|normals| Self { normals, figures })
     }
+
+    /// Returns the uncertainty of normals from photographs: degrees, with its mean, and the value of the last colour.
+    pub fn of_uncertainty(sigma: &'a Field, mean: f64, top: f32) -> Self {
+        let figures = ShownFigures { quantity: Quantity::Uncertainty, top, mean: Some(mean), distance: None };
+        Self { normals: sigma, figures }
+    }
 }
 
 /// The figures of a proof that the viewer shows.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 struct ShownFigures {
-    /// The mean normal error on the surface, degrees.
+    quantity: Quantity,
+    /// The degrees at the last colour.
+    top: f32,
+    /// The mean on the surface, degrees.
     mean: Option<f64>,
-    /// The root mean square distance of the shapes, in the unit of the model.
-    rms: f64,
-    /// The upper bound of the largest distance, in the unit of the model.
-    hausdorff: f64,
+    distance: Option<Distance>,
 }
 
 impl ShownFigures {
     fn of(figures: &Figures) -> Self {
-        let Some(finest) = figures.finest() else { return Self::default() };
-        let mean = finest.surface_angles.map(|angles| angles.mean);
+        let finest = figures.finest();
+        let mean = finest.and_then(|finest| finest.surface_angles).map(|angles| angles.mean);
         // Models are in metres if the unit of the scan is known.
         let metres = figures.unit.map_or(1.0, Unit::metres);
-        Self { mean, rms: finest.rms * metres, hausdorff: finest.hausdorff.upper * metres }
+        let distance = finest
+            .map(|finest| Distance { rms: finest.rms * metres, hausdorff: finest.hausdorff.upper * metres });
+        Self { quantity: Quantity::Error, top: TOP, mean, distance }
     }
 }
 
@@ -171,10 +195,10 @@ fn error_map(scene: &Scene, instance: usize, high: &bake::Scan) -> Result<Option
 
 impl Errors {
     fn new(maps: Vec<Option<ErrorMap>>, figures: ShownFigures) -> Self {
-        let ShownFigures { mean, rms, hausdorff } = figures;
+        let ShownFigures { quantity, top, mean, distance } = figures;
         let color = |i: usize| ColorMap::Viridis.color(i as f64 / (STOPS - 1) as f64);
         let stops = (0..STOPS).map(color).collect();
-        Self { maps, top: TOP, stops, steps: STEPS, mean, rms, hausdorff }
+        Self { quantity, maps, top, stops, steps: STEPS, mean, distance }
     }
 }
 
@@ -239,7 +263,8 @@ mod tests {
         // The angle is at most 6.4°.
         let mean = errors.mean.unwrap();
         assert!(mean > 2.0 && mean < 6.4, "{errors:?}");
-        assert!(errors.rms > 1e-4 && errors.hausdorff < 0.1, "{errors:?}");
+        let Some(distance) = errors.distance else { panic!("{errors:?}") };
+        assert!(distance.rms > 1e-4 && distance.hausdorff < 0.1, "{errors:?}");
         assert_eq!([code(&0.126), code(&f32::NAN), code(&1e9)], [13, NONE, NONE - 1]);
     }
 
@@ -253,7 +278,8 @@ mod tests {
         let (errors, _) = errors(&prepared, &scan, &mut Warnings::default()).unwrap();
         let finest = figures.finest().unwrap();
         assert_eq!(errors.mean, finest.surface_angles.map(|angles| angles.mean));
-        assert_eq!([errors.rms, errors.hausdorff], [finest.rms, finest.hausdorff.upper]);
+        let distance = Distance { rms: finest.rms, hausdorff: finest.hausdorff.upper };
+        assert_eq!((errors.distance, errors.quantity), (Some(distance), Quantity::Error));
     }
 
     #[test]

@@ -1,0 +1,166 @@
+//! Normals from photographs, with their uncertainty.
+
+use crate::arrays::{self, Picture, Taken};
+use crate::error::exception;
+use crate::options::Options;
+use crate::work::{self, Listed, Running};
+use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use serde::Deserialize;
+use std::path::PathBuf;
+use taotie_cli::PhotometricFiles;
+use taotie_engine::names::Named;
+use taotie_engine::{Error, Progress, Result, Warnings};
+use taotie_io::{FileSet, Limits};
+use taotie_photometric::{
+    Estimate, Estimator, Light, PhotographSet, Reading, Relief, Samples, Setup, Transfer,
+};
+
+/// Photographs: a path, or images with a row for each light.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Photographs<'py> {
+    path: Option<PathBuf>,
+    images: Vec<Picture<'py>>,
+    lights: Option<PyReadonlyArray2<'py, f64>>,
+    mask: Option<Picture<'py>>,
+}
+
+/// The options.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Request {
+    encoding: String,
+    pixel_size: Option<f64>,
+}
+
+/// Normals of photographs, and everything that is known about them.
+#[pyclass(frozen, module = "taotie._taotie")]
+pub struct Normals {
+    estimate: Estimate,
+    relief: Relief,
+    pixel_size: f64,
+    warnings: Warnings,
+}
+
+/// What to estimate from.
+enum Source {
+    Path(PathBuf, Option<PathBuf>),
+    Images { images: Vec<Taken>, lights: Vec<[f64; 3]>, mask: Option<Taken> },
+}
+
+/// Estimates normals.
+#[pyfunction]
+pub fn photometric(
+    py: Python<'_>,
+    photographs: Photographs<'_>,
+    request: Options,
+    running: Running,
+) -> PyResult<Normals> {
+    let request = request.read::<Request>()?;
+    let source = photographs.taken(py)?;
+    work::run(py, &running, move |progress| estimated(source, &request, progress))
+}
+
+impl Photographs<'_> {
+    fn taken(&self, py: Python<'_>) -> PyResult<Source> {
+        let mask = self.mask.as_ref().map(|mask| mask.taken(py)).transpose()?;
+        if let Some(path) = &self.path {
+            return match mask {
+                None => Ok(Source::Path(path.clone(), None)),
+                Some(Taken::File(mask)) => Ok(Source::Path(path.clone(), Some(mask))),
+                Some(Taken::Texels(_)) => {
+                    let error = Error::invalid(
+                        "mask",
+                        "an array; pass the path of an image with photographs by path",
+                    );
+                    Err(exception(py, &error))
+                }
+            };
+        }
+        let images = self.images.iter().map(|image| image.taken(py)).collect::<PyResult<_>>()?;
+        let lights = match &self.lights {
+            Some(lights) if lights.shape()[1] == 3 => lights.as_slice()?.as_chunks::<3>().0.to_vec(),
+            _ => Vec::new(),
+        };
+        Ok(Source::Images { images, lights, mask })
+    }
+}
+
+fn estimated(source: Source, request: &Request, progress: Progress<'_>) -> Result<Normals> {
+    let mut warnings = Warnings::default();
+    let transfer = Transfer::from_name(&request.encoding)?;
+    let samples = match source {
+        Source::Path(path, mask) => {
+            let limits = Limits::default().or_free();
+            let setup = Setup { transfer, pixel_size: request.pixel_size, limits, ..Setup::default() };
+            let set = PhotographSet::open_with(&path, &setup, &mut warnings, progress)?;
+            let reading = Reading { mask: mask.as_deref(), transfer, flat: None, limits };
+            Samples::read(&set, &reading, progress.begin("read")?)?
+        }
+        Source::Images { images, lights, mask } => {
+            let light = |(i, vector): (usize, [f64; 3])| {
+                let wrong = || Error::invalid(format!("lights row {i}"), "a vector without a direction");
+                Light::towards(vector).ok_or_else(wrong)
+            };
+            let lights = lights.into_iter().enumerate().map(light).collect::<Result<Vec<_>>>()?;
+            let images = images.into_iter().map(Taken::bitmap).collect::<Result<Vec<_>>>()?;
+            let mask = mask.map(Taken::bitmap).transpose()?;
+            Samples::of(&images, &lights, mask.as_ref(), transfer)?
+        }
+    };
+    warnings.note("a saturated sample is left out", samples.saturated());
+    let estimate = Estimate::of(&samples, progress)?;
+    let without = estimate.best.iter().filter(|best| best.is_none()).count();
+    warnings.note("a pixel has no normal: too little light, or too few samples that agree", without);
+    let relief = estimate.relief(progress.begin("depth")?)?;
+    Ok(Normals { estimate, relief, pixel_size: request.pixel_size.unwrap_or(1.0), warnings })
+}
+
+#[pymethods]
+impl Normals {
+    /// Warnings of reading and estimating.
+    fn warnings(&self) -> Listed {
+        work::listed(&self.warnings)
+    }
+
+    /// All arrays by name: NaN without a normal.
+    fn arrays<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let result = PyDict::new(py);
+        result.set_item("normals", arrays::of_image(py, &self.estimate.normals(Estimator::Best), 3)?)?;
+        let sigma = self.estimate.image(|_, best| [best.sigma_deg; 3]);
+        let albedo = self.estimate.image(|_, best| [best.albedo; 3]);
+        let residuals = self.estimate.image(|_, best| [best.residual; 3]);
+        let depth = self.relief.image(self.pixel_size);
+        for (name, image) in
+            [("sigma", sigma), ("albedo", albedo), ("residuals", residuals), ("depth", depth)]
+        {
+            result.set_item(name, arrays::of_image(py, &image, 1)?)?;
+        }
+        Ok(result)
+    }
+
+    /// The mean residual of lit samples under each light, relative to the albedo.
+    fn lights(&self) -> Vec<f64> {
+        self.estimate.lights.iter().map(|light| light.relative).collect()
+    }
+
+    /// Writes the files of the command, except for its reports.
+    fn save(&self, py: Python<'_>, folder: PathBuf) -> PyResult<Listed> {
+        let warnings = work::detached(py, || {
+            let files = FileSet::new();
+            files.claim_folder(&folder)?;
+            let output = PhotometricFiles {
+                folder: &folder,
+                pixel_size: self.pixel_size,
+                files: &files,
+                estimate: &self.estimate,
+                relief: &self.relief,
+            };
+            let warnings = output.write()?;
+            files.commit().map(|()| warnings)
+        })?;
+        Ok(work::listed(&warnings))
+    }
+}
