@@ -10,7 +10,7 @@ use taotie::asset::{
     BakeOptions, Baker, Channels, Figure, Lod, Looking, MeshSource, Packing, Preset, RayDistance,
     Requirement, VerifyOptions,
 };
-use taotie_engine::bake::{MapContent, MapKind};
+use taotie_engine::bake::MapKind;
 use taotie_engine::names::Named;
 use taotie_io::{CodecKind, CodecSet, FileSet, MapFormat, TextureCodecs};
 

@@ -68,6 +68,7 @@ impl PhotometricPage<'_> {
             path: relief,
             title: &self.report.input,
             limits: &Limits::default(),
+            rays: None,
             errors: summary
                 .map(|summary| MeasuredErrors::of_uncertainty(&sigma, summary.mean, scale_top(summary))),
             staging: Staging { camera: Some(&camera), light: Some(&light), bookmarks: &bookmarks },
