@@ -17,8 +17,10 @@
 //! The camera is far away; light comes from far away or from lamps whose places are known. Estimates do not depend on
 //! the number of threads.
 
+mod bilateral;
 mod block;
 mod calibration;
+mod cells;
 mod circle;
 mod depth;
 mod diligent;

@@ -139,4 +139,10 @@ fn the_number_of_threads_changes_no_bit() {
     assert_eq!(one.best, two.best);
     assert_eq!(one.lights, two.lights);
     assert_eq!((one.albedo.to_bits(), one.shadows), (two.albedo.to_bits(), two.shadows));
+    let reliefs = [1, 2].map(|threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| one.relief(Progress::SILENT)).unwrap()
+    });
+    assert_eq!(reliefs[0].heights, reliefs[1].heights);
+    assert_eq!(reliefs[0].continues, reliefs[1].continues);
 }
