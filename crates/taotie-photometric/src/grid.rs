@@ -35,6 +35,12 @@ impl Grid {
         [pixel % self.width, pixel / self.width]
     }
 
+    /// The first element of each row, and the number of elements. Elements are in the order of their pixels.
+    pub fn rows(&self) -> Vec<usize> {
+        let first = |y: usize| self.pixels.partition_point(|pixel| (*pixel as usize) < y * self.width);
+        (0..=self.height).map(first).collect()
+    }
+
     /// The element at a column and row, which may be outside the grid.
     #[inline]
     pub fn at(&self, x: i64, y: i64) -> Option<usize> {

@@ -17,6 +17,7 @@
 //! The camera is far away; light comes from far away or from lamps whose places are known. Estimates do not depend on
 //! the number of threads.
 
+mod appearance;
 mod bilateral;
 mod block;
 mod calibration;
@@ -25,6 +26,7 @@ mod circle;
 mod depth;
 mod diligent;
 mod estimate;
+mod finish;
 mod folder;
 mod grey;
 mod grid;
@@ -36,6 +38,8 @@ mod lp;
 mod multigrid;
 mod photograph;
 mod plane;
+mod program;
+mod regions;
 mod relief;
 mod residuals;
 mod robust;
@@ -43,6 +47,7 @@ mod samples;
 mod set;
 mod sources;
 mod surface;
+mod surfaces;
 mod symmetric;
 mod truth;
 mod uncertainty;
@@ -53,8 +58,10 @@ pub use depth::Relief;
 pub use estimate::{Estimate, Estimator, PixelEstimate};
 pub use light::Light;
 pub use photograph::{Photograph, Sample, Transfer};
+pub use program::Finish;
 pub use residuals::LightResiduals;
 pub use samples::{Reading, Samples};
 pub use set::PhotographSet;
+pub use surfaces::RegionFinish;
 pub use symmetric::Sym2;
 pub use truth::{Coverage, averaged};

@@ -1,8 +1,10 @@
-//! The residuals of the robust fit: their variance in each pixel, how they pull at the fit from each side, and their
-//! size under each light.
+//! The residuals of the fits: their variance in each pixel, how they pull at the fit from each side, and, of the robust
+//! fit, their size under each light.
 
+use crate::appearance::{Compared, Fitting};
 use crate::block::{LightTerms, weight};
 use crate::grid::Grid;
+use crate::program::Surface;
 use crate::robust::Fit;
 use crate::samples::Samples;
 use crate::symmetric::Sym3;
@@ -17,11 +19,14 @@ pub const SECTORS: usize = 6;
 const SHADOW: f64 = 0.5;
 /// Pixels of a part: sums do not depend on the number of threads.
 const PART: usize = 2048;
+/// Rows of a task.
+const BAND: usize = 8;
 
 /// The residuals of one pixel.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct PixelResiduals {
-    /// Inverse of Σ w l lᵀ; `None` if too few samples agree with the fit.
+    /// Inverse of Σ w g gᵀ, g the gradient of a sample by the normal times the albedo; `None` if too few samples agree with
+    /// the fit.
     pub inverse: Option<Sym3>,
     /// Weighted variance.
     pub variance: f64,
@@ -83,31 +88,53 @@ impl<'a> Residuals<'a> {
         Self { samples, grid, lights, fits, inverse_reaches, sectors }
     }
 
-    /// Returns the residuals of each pixel.
-    pub fn of_pixels(&self) -> Vec<PixelResiduals> {
-        parallel::collect(self.fits.len(), |i| self.of_pixel(i))
+    /// Returns the residuals of each pixel, from its surface or, without one, from its robust fit.
+    pub fn of_pixels(&self, fitting: &Fitting<'_>, surfaces: &[Option<Surface>]) -> Vec<PixelResiduals> {
+        let rows = self.grid.rows();
+        let bands = parallel::tasks(rows.len().saturating_sub(1).div_ceil(BAND), &|band| {
+            let last = ((band + 1) * BAND).min(rows.len() - 1);
+            let (first, end) = (rows[band * BAND], rows[last]);
+            // The row below the band is compared with its last one.
+            let known = first..rows[(last + 1).min(rows.len() - 1)];
+            let count = self.lights.len();
+            let mut all = vec![Compared::default(); known.len() * count];
+            for (pixel, out) in known.clone().zip(all.chunks_mut(count)) {
+                match &surfaces[pixel] {
+                    Some(surface) => fitting.compare(pixel, surface, out),
+                    None => self.compare(pixel, out),
+                }
+            }
+            let compared = |pixel: usize| &all[(pixel - first) * count..(pixel - first + 1) * count];
+            (first..end).map(|pixel| self.of_pixel(pixel, &compared)).collect::<Vec<_>>()
+        });
+        bands.concat()
     }
 
-    fn of_pixel(&self, pixel: usize) -> PixelResiduals {
+    /// Writes how each sample compares with the robust fit.
+    fn compare(&self, pixel: usize, out: &mut [Compared]) {
+        for (k, out) in out.iter_mut().enumerate() {
+            let (residual, weight) = self.residual(pixel, k);
+            *out = Compared { residual, weight, gradient: self.samples.direction(k, pixel) };
+        }
+    }
+
+    fn of_pixel<'c>(&self, pixel: usize, compared: &dyn Fn(usize) -> &'c [Compared]) -> PixelResiduals {
         let [x, y] = self.grid.position(pixel).map(|v| v as i64);
-        let others = [self.grid.at(x + 1, y), self.grid.at(x, y + 1)];
+        let others = [self.grid.at(x + 1, y), self.grid.at(x, y + 1)].map(|other| other.map(compared));
         let (mut matrix, mut squares, mut total) = (Sym3::default(), 0.0, 0.0);
         let (mut products, mut pairs) = (0.0, 0.0);
         let mut pulls = [Vec3::splat(0.0); SECTORS];
-        for k in 0..self.lights.len() {
-            let (residual, weight) = self.residual(pixel, k);
-            let direction = self.samples.direction(k, pixel);
-            matrix.add(direction, weight);
+        for (k, Compared { residual, weight, gradient }) in compared(pixel).iter().enumerate() {
+            matrix.add(*gradient, *weight);
             squares += weight * residual * residual;
             total += weight;
-            pulls[self.sectors[k]] += direction * (weight * residual);
-            if weight <= COMPARED {
+            pulls[self.sectors[k]] += *gradient * (weight * residual);
+            if *weight <= COMPARED {
                 continue;
             }
-            for other in others.into_iter().flatten() {
-                let (of_other, weight) = self.residual(other, k);
-                if weight > COMPARED {
-                    products += residual * of_other;
+            for other in others.iter().flatten() {
+                if other[k].weight > COMPARED {
+                    products += residual * other[k].residual;
                     pairs += 1.0;
                 }
             }

@@ -30,7 +30,7 @@ pub struct PhotometricArgs {
     /// The folder of photographs, or their .lp file
     #[arg(value_name = "FOLDER|FILE.lp")]
     pub input: PathBuf,
-    /// The folder to write: normals, uncertainty, albedo, residuals, mask, depth, plane.glb with the maps,
+    /// The folder to write: normals, uncertainty, albedo, base colour, roughness, residuals, mask, depth, plane.glb with the maps,
     /// relief.glb, and report.json
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
@@ -65,12 +65,14 @@ pub struct PhotometricArgs {
 }
 
 /// The files that are written.
-pub const OUTPUTS: [&str; 11] = [
+pub const OUTPUTS: [&str; 13] = [
     "normals.png",
     "normals.exr",
     "sigma.png",
     "sigma.exr",
     "albedo.png",
+    "base_color.png",
+    "roughness.png",
     "residual.exr",
     "mask.png",
     "depth.exr",
