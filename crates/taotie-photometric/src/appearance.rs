@@ -160,9 +160,9 @@ impl<'a> Fitting<'a> {
             sums.weight += weight;
             if N == ALL {
                 let shared = [model.partials[N - 2], model.partials[N - 1]];
-                for c in 0..2 {
-                    sums.cross[c] += own * (shared[c] * weight);
-                    sums.shared_pull[c] += shared[c] * off;
+                for (c, by_shared) in shared.into_iter().enumerate() {
+                    sums.cross[c] += own * (by_shared * weight);
+                    sums.shared_pull[c] += by_shared * off;
                 }
                 sums.shared[0] += shared[0] * shared[0] * weight;
                 sums.shared[1] += shared[1] * shared[1] * weight;
