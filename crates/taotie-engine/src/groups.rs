@@ -40,7 +40,8 @@ impl<T: Copy + Default> Groups<T> {
 
 /// Disjoint sets, joined in pairs: the numbers below a count, initially one each; the lowest number of a set represents
 /// it.
-pub(crate) struct DisjointSets {
+#[derive(Debug)]
+pub struct DisjointSets {
     parents: Vec<u32>,
 }
 

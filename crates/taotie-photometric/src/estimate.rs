@@ -1,12 +1,15 @@
 //! Normals of all pixels by several estimators, with their uncertainty.
 
+use crate::appearance::Fitting;
 use crate::block::LANES;
 use crate::grid::Grid;
 use crate::indirect::{ASSUMED_ALBEDO, Indirect};
+use crate::program::Finish;
 use crate::residuals::{LightResiduals, PixelResiduals, Residuals};
 use crate::robust::{self, Fit, Robust, Scratch};
 use crate::samples::Samples;
 use crate::sources::AllSources;
+use crate::surfaces::{RegionFinish, Surfaces};
 use crate::symmetric::Sym2;
 use crate::uncertainty::{RadiusTable, tangents, unit};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -58,6 +61,8 @@ pub struct Estimate {
     least_squares: Vec<Vec3<f64>>,
     /// Unit normals by the robust estimator, before indirect light is removed.
     robust: Vec<Vec3<f64>>,
+    /// Unit normals after indirect light is removed.
+    direct: Vec<Vec3<f64>>,
     /// The residuals under each light.
     pub lights: Vec<LightResiduals>,
     /// The exponent between fitted and measured brightness: near 1 if the photographs are linear.
@@ -68,6 +73,10 @@ pub struct Estimate {
     pub shadows: usize,
     /// Light in shadows that the estimated relief does not explain, relative to all light there, in [0, 1].
     pub unexplained: f64,
+    /// The regions of one highlight, the darkest first; none with fewer than eight photographs.
+    pub regions: Vec<RegionFinish>,
+    /// The highlight of each pixel; `None` if it is matt or not fitted.
+    pub finishes: Vec<Option<Finish>>,
 }
 
 /// An estimator of normals.
@@ -78,6 +87,8 @@ pub enum Estimator {
     /// Without shadows and highlights.
     Robust,
     /// Without shadows, highlights and indirect light.
+    Direct,
+    /// The pixel program fitted to samples without shadows and indirect light.
     Best,
 }
 
@@ -93,13 +104,21 @@ impl Estimate {
         let fits = fits(&robust, samples, progress.stage("fit"))?;
         let residuals = Residuals::new(samples, &grid, robust.lights(), &fits);
         let fitted: Vec<Vec3<f64>> = fits.iter().map(|fit| fit.robust).collect();
-        let indirect = match robust.lights().len() < robust::FEWEST {
+        let few = robust.lights().len() < robust::FEWEST;
+        let indirect = match few {
             true => Indirect { direct: fitted.clone(), albedo: ASSUMED_ALBEDO, shadows: 0, unexplained: 0.0 },
             false => Indirect::remove(samples, &grid, &fitted, progress.begin("indirect light")?)?,
         };
+        let fitting = Fitting::new(samples, &fits, &indirect);
+        let surfaces = match few {
+            true => Surfaces { of_pixels: vec![None; fits.len()], regions: Vec::new() },
+            false => Surfaces::fit(&fitting, fits.len(), progress.begin("surfaces")?)?,
+        };
         progress.begin("uncertainty")?;
-        let of_pixels = residuals.of_pixels();
-        let best = best(&grid, &of_pixels, &fits, &indirect);
+        let of_pixels = residuals.of_pixels(&fitting, &surfaces.of_pixels);
+        let b = fitting.vectors(&surfaces.of_pixels);
+        let sources = AllSources::new((&grid, &of_pixels), &fits, &indirect, &b);
+        let best = best(&sources, &of_pixels, &b);
         if best.iter().all(Option::is_none) {
             let why = "the photographs are black within the mask, or do not fit the lights";
             return Err(Error::invalid("no pixel has a normal", why));
@@ -111,11 +130,14 @@ impl Estimate {
             best,
             least_squares: fits.iter().map(|fit| unit(fit.least_squares)).collect(),
             robust: fits.iter().map(|fit| unit(fit.robust)).collect(),
+            direct: indirect.direct.iter().map(|b| unit(*b)).collect(),
             lights: residuals.of_lights(),
             exponent: residuals.exponent(),
             albedo: indirect.albedo,
             shadows: indirect.shadows,
             unexplained: indirect.unexplained,
+            finishes: surfaces.of_pixels.iter().map(|surface| surface.as_ref()?.finish).collect(),
+            regions: surfaces.regions,
         })
     }
 
@@ -136,6 +158,7 @@ impl Estimate {
             let normal = match estimator {
                 Estimator::LeastSquares => self.least_squares[i],
                 Estimator::Robust => self.robust[i],
+                Estimator::Direct => self.direct[i],
                 Estimator::Best => best.normal,
             };
             normal.to_array()
@@ -204,26 +227,19 @@ fn fits(robust: &Robust, samples: &Samples, progress: Progress<'_>) -> Result<Ve
     each(&refined, progress.part(0.7, 1.0))
 }
 
-/// Returns the best estimate of each pixel.
-fn best(
-    grid: &Grid,
-    residuals: &[PixelResiduals],
-    fits: &[Fit],
-    indirect: &Indirect,
-) -> Vec<Option<PixelEstimate>> {
-    let sources = AllSources::new(grid, residuals, fits, indirect);
-    let direct = &indirect.direct;
+/// Returns the best estimate of each pixel, whose normal times albedo is `b`.
+fn best(sources: &AllSources, residuals: &[PixelResiduals], b: &[Vec3<f64>]) -> Vec<Option<PixelEstimate>> {
     let table = RadiusTable::new();
-    parallel::collect(direct.len(), |i| {
+    parallel::collect(b.len(), |i| {
         let covariance = sources.of(i)?.covariance();
         let deviations = covariance.eigenvalues().map(f64::sqrt);
         let sigma_deg = table.radius(deviations).to_degrees();
         if sigma_deg.is_nan() || sigma_deg > MOST_SIGMA_DEG {
             return None;
         }
-        let albedo = direct[i].length();
+        let albedo = b[i].length();
         Some(PixelEstimate {
-            normal: unit(direct[i]),
+            normal: unit(b[i]),
             albedo,
             covariance,
             sigma_deg,

@@ -17,12 +17,16 @@
 //! The camera is far away; light comes from far away or from lamps whose places are known. Estimates do not depend on
 //! the number of threads.
 
+mod appearance;
+mod bilateral;
 mod block;
 mod calibration;
+mod cells;
 mod circle;
 mod depth;
 mod diligent;
 mod estimate;
+mod finish;
 mod folder;
 mod grey;
 mod grid;
@@ -34,6 +38,8 @@ mod lp;
 mod multigrid;
 mod photograph;
 mod plane;
+mod program;
+mod regions;
 mod relief;
 mod relight;
 mod residuals;
@@ -42,6 +48,7 @@ mod samples;
 mod set;
 mod sources;
 mod surface;
+mod surfaces;
 mod symmetric;
 mod truth;
 mod uncertainty;
@@ -52,9 +59,11 @@ pub use depth::Relief;
 pub use estimate::{Estimate, Estimator, PixelEstimate};
 pub use light::Light;
 pub use photograph::{Photograph, Sample, Transfer};
+pub use program::Finish;
 pub use relight::{Basis, Coefficients, ColorModel, ColorReader, Plane, Quality, RelightFormat, Relightable};
 pub use residuals::LightResiduals;
 pub use samples::{Reading, Samples};
 pub use set::PhotographSet;
+pub use surfaces::RegionFinish;
 pub use symmetric::Sym2;
 pub use truth::{Coverage, averaged};

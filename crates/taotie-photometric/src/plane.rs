@@ -2,6 +2,7 @@
 
 use crate::estimate::{Estimate, Estimator};
 use crate::indirect::{ASSUMED_ALBEDO, quantile};
+use crate::program::Finish;
 use taotie_engine::error::Result;
 use taotie_engine::image::{Bitmap, Encoding, Sampler, Texels, Texture, Wrap};
 use taotie_engine::math::srgb::srgb_from_linear;
@@ -12,8 +13,8 @@ use taotie_engine::scene::{
     UvTransform,
 };
 
-/// Photographs do not determine the roughness.
-const ROUGHNESS: f32 = 0.8;
+/// The roughness of matt surfaces.
+const MATT: Finish = Finish { roughness: 1.0, f0: 0.04 };
 
 impl Estimate {
     /// Returns a rectangle that faces +z, its longer side 1, with a tangent-space normal map of 16 bits and a base
@@ -47,11 +48,14 @@ impl Estimate {
         });
         let masked =
             self.best.len() < width as usize * height as usize || self.best.iter().any(Option::is_none);
+        let largest = self.regions.iter().max_by_key(|region| region.pixels);
+        let finish = largest.and_then(|region| region.finish).unwrap_or(MATT);
         let material = Material {
             name: "photographs".to_owned(),
             base_color_texture: Some(used(0)),
             metallic: 0.0,
-            roughness: ROUGHNESS,
+            roughness: finish.roughness as f32,
+            ior: index(finish.f0) as f32,
             normal,
             alpha: if masked { AlphaMode::Mask(0.5) } else { AlphaMode::Opaque },
             ..Material::default()
@@ -70,6 +74,19 @@ impl Estimate {
         self.normals(Estimator::Best).pixels().iter().map(texel).collect()
     }
 
+    /// Returns the base colour of each pixel as a code of sRGB: the albedo that indirect light shows, or assumed; 0 without a
+    /// normal.
+    pub fn base_color_codes(&self) -> Vec<u8> {
+        self.base_colors().into_iter().map(|[code, ..]| code).collect()
+    }
+
+    /// Returns the roughness of each pixel as a code, 255 for 1 and for matt pixels; 0 without a normal.
+    pub fn roughness_codes(&self) -> Vec<u8> {
+        let roughness =
+            self.image(|i, _| [self.finishes[i].map_or(MATT.roughness, |finish| finish.roughness); 3]);
+        roughness.pixels().iter().map(|pixel| (pixel[0] * 255.0 + 0.5) as u8).collect()
+    }
+
     fn base_colors(&self) -> Vec<[u8; 4]> {
         let bright = quantile(self.best.iter().flatten().map(|best| best.albedo).collect(), 0.95);
         let albedo = if self.albedo > 0.0 { self.albedo } else { ASSUMED_ALBEDO };
@@ -78,6 +95,12 @@ impl Estimate {
         let code = |v: f32| (v * 255.0 + 0.5) as u8;
         colors.pixels().iter().map(|pixel| pixel.map(code)).collect()
     }
+}
+
+/// Returns the index of refraction of a dielectric with this reflectance at normal incidence.
+fn index(f0: f64) -> f64 {
+    let root = f0.clamp(0.0, 0.99).sqrt();
+    (1.0 + root) / (1.0 - root)
 }
 
 fn rectangle(width: u32, height: u32) -> Result<Mesh> {

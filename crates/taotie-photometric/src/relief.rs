@@ -1,9 +1,11 @@
 //! A coarse relief with the estimated normals, and the surfaces that each of its points sees.
 //!
-//! Heights follow from the normals by least squares over neighbouring cells, by conjugate gradients. They need not be
-//! exact: they only decide which parts of the surface face each other.
+//! Heights follow from the normals by least squares over neighbouring cells. They need not be exact: they only decide
+//! which parts of the surface face each other.
 
+use crate::cells::Cells;
 use crate::grid::Grid;
+use crate::multigrid::Multigrid;
 use taotie_engine::math::{Vec3, scalar};
 use taotie_engine::parallel;
 
@@ -16,63 +18,37 @@ pub const SKY: u32 = u32::MAX;
 /// The steepest slope between two cells; normals seen at a grazing angle are unreliable.
 const STEEPEST: f64 = 4.0;
 
-/// Steps of conjugate gradients: a few times the side of the grid.
-const STEPS: usize = 600;
+/// The residual to which heights are solved, relative to the right side.
+const PRECISE: f64 = 1e-4;
 
 /// Returns the height of each cell in cells, from its unit normal.
 pub fn heights(grid: &Grid, normals: &[Vec3<f64>]) -> Vec<f64> {
+    let (cells, places) = Cells::around(grid);
     let slope = |along: f64, z: f64| (-along / z.max(0.15)).clamp(-STEEPEST, STEEPEST);
-    let slopes: Vec<[f64; 2]> = normals.iter().map(|n| [slope(n.x, n.z), slope(n.y, n.z)]).collect();
-    // Each edge is from a cell to its neighbour on the right, or above.
-    let mut edges = Vec::new();
-    for from in 0..grid.pixels.len() {
-        let [x, y] = grid.position(from).map(|v| v as i64);
-        for (axis, to) in [grid.at(x + 1, y), grid.at(x, y - 1)].into_iter().enumerate() {
-            if let Some(to) = to {
-                edges.push(([from, to], 0.5 * (slopes[from][axis] + slopes[to][axis])));
+    let mut target = vec![0.0; cells.count()];
+    let mut system = Multigrid::new(cells);
+    system.change(|edges| {
+        for (from, n) in normals.iter().enumerate() {
+            let [x, y] = grid.position(from).map(|v| v as i64);
+            let here = places[from] as usize;
+            let mut add = |to: usize, step: f64| {
+                target[places[to] as usize] += step;
+                target[here] -= step;
+            };
+            if let Some(to) = grid.at(x + 1, y) {
+                edges.right[here] = 1.0;
+                add(to, 0.5 * (slope(n.x, n.z) + slope(normals[to].x, normals[to].z)));
+            }
+            if let Some(to) = grid.at(x, y + 1) {
+                edges.below[here] = 1.0;
+                add(to, -0.5 * (slope(n.y, n.z) + slope(normals[to].y, normals[to].z)));
             }
         }
-    }
-    conjugate_gradients(grid.pixels.len(), &edges)
-}
-
-/// Returns the heights whose differences along the edges are closest to those given.
-fn conjugate_gradients(count: usize, edges: &[([usize; 2], f64)]) -> Vec<f64> {
-    /// Keeps separate parts from drifting.
-    const REGULAR: f64 = 1e-6;
-    let apply = |v: &[f64]| {
-        let mut product: Vec<f64> = v.iter().map(|v| REGULAR * v).collect();
-        for ([from, to], _) in edges {
-            let difference = v[*to] - v[*from];
-            product[*to] += difference;
-            product[*from] -= difference;
-        }
-        product
-    };
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + a * b);
-    let mut residual = vec![0.0; count];
-    for ([from, to], difference) in edges {
-        residual[*to] += difference;
-        residual[*from] -= difference;
-    }
-    let (mut heights, mut direction) = (vec![0.0; count], residual.clone());
-    let start = dot(&residual, &residual);
-    let mut norm = start;
-    for _ in 0..STEPS {
-        if norm <= 1e-8 * start {
-            break;
-        }
-        let applied = apply(&direction);
-        let step = norm / dot(&direction, &applied);
-        for i in 0..count {
-            heights[i] += step * direction[i];
-            residual[i] -= step * applied[i];
-        }
-        let next = dot(&residual, &residual);
-        let turn = next / norm;
-        norm = next;
-        direction.iter_mut().zip(&residual).for_each(|(d, r)| *d = r + turn * *d);
-    }
+    });
+    let mut heights = vec![0.0; cells.count()];
+    system.add_solution(&target, &mut heights, PRECISE);
+    let mut heights: Vec<f64> = places.iter().map(|place| heights[*place as usize]).collect();
+    grid.centre_parts(&mut heights);
     heights
 }
 

@@ -1,8 +1,10 @@
-//! The residuals of the robust fit: their variance in each pixel, how they pull at the fit from each side, and their
-//! size under each light.
+//! The residuals of the fits: their variance in each pixel, how they pull at the fit from each side, and, of the robust
+//! fit, their size under each light.
 
+use crate::appearance::{Compared, Fitting};
 use crate::block::{LightTerms, weight};
 use crate::grid::Grid;
+use crate::program::Surface;
 use crate::robust::Fit;
 use crate::samples::Samples;
 use crate::symmetric::Sym3;
@@ -10,18 +12,21 @@ use taotie_engine::math::{Vec3, scalar};
 use taotie_engine::parallel;
 
 /// The weight above which a sample's residual is compared with its neighbours'.
-const COMPARED: f64 = 0.3;
+const COMPARED: f32 = 0.3;
 /// Sectors of lights around the view.
 pub const SECTORS: usize = 6;
 /// A sample darker than this fraction of the fit is in shadow.
 const SHADOW: f64 = 0.5;
 /// Pixels of a part: sums do not depend on the number of threads.
 const PART: usize = 2048;
+/// Rows of a task.
+const BAND: usize = 4;
 
 /// The residuals of one pixel.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct PixelResiduals {
-    /// Inverse of Σ w l lᵀ; `None` if too few samples agree with the fit.
+    /// Inverse of Σ w g gᵀ, g the gradient of a sample by the normal times the albedo; `None` if too few samples agree with
+    /// the fit.
     pub inverse: Option<Sym3>,
     /// Weighted variance.
     pub variance: f64,
@@ -83,43 +88,78 @@ impl<'a> Residuals<'a> {
         Self { samples, grid, lights, fits, inverse_reaches, sectors }
     }
 
-    /// Returns the residuals of each pixel.
-    pub fn of_pixels(&self) -> Vec<PixelResiduals> {
-        parallel::collect(self.fits.len(), |i| self.of_pixel(i))
-    }
-
-    fn of_pixel(&self, pixel: usize) -> PixelResiduals {
-        let [x, y] = self.grid.position(pixel).map(|v| v as i64);
-        let others = [self.grid.at(x + 1, y), self.grid.at(x, y + 1)];
-        let (mut matrix, mut squares, mut total) = (Sym3::default(), 0.0, 0.0);
-        let (mut products, mut pairs) = (0.0, 0.0);
-        let mut pulls = [Vec3::splat(0.0); SECTORS];
-        for k in 0..self.lights.len() {
-            let (residual, weight) = self.residual(pixel, k);
-            let direction = self.samples.direction(k, pixel);
-            matrix.add(direction, weight);
-            squares += weight * residual * residual;
-            total += weight;
-            pulls[self.sectors[k]] += direction * (weight * residual);
-            if weight <= COMPARED {
-                continue;
-            }
-            for other in others.into_iter().flatten() {
-                let (of_other, weight) = self.residual(other, k);
-                if weight > COMPARED {
-                    products += residual * of_other;
-                    pairs += 1.0;
+    /// Returns the residuals of each pixel, from its surface or, without one, from its robust fit.
+    pub fn of_pixels(&self, fitting: &Fitting<'_>, surfaces: &[Option<Surface>]) -> Vec<PixelResiduals> {
+        let rows = self.grid.rows();
+        let bands = parallel::tasks(rows.len().saturating_sub(1).div_ceil(BAND), &|band| {
+            let last = ((band + 1) * BAND).min(rows.len() - 1);
+            let (first, end) = (rows[band * BAND], rows[last]);
+            // The row below the band is compared with its last one.
+            let known = first..rows[(last + 1).min(rows.len() - 1)];
+            let count = self.lights.len();
+            let mut compared = vec![Compared::default(); count];
+            let mut table = Vec::with_capacity(known.len() * count);
+            let mut residuals = Vec::with_capacity(end - first);
+            for pixel in known {
+                compared.fill(Compared::default());
+                match &surfaces[pixel] {
+                    Some(surface) => fitting.compare(pixel, surface, &mut compared),
+                    None => self.compare(pixel, &mut compared),
+                }
+                table.extend(compared.iter().map(|sample| [sample.residual as f32, sample.weight as f32]));
+                if pixel < end {
+                    residuals.push(self.of_pixel(&compared));
                 }
             }
+            let of = |pixel: usize| &table[(pixel - first) * count..(pixel - first + 1) * count];
+            for (pixel, residuals) in (first..end).zip(&mut residuals) {
+                residuals.shared = self.shared(pixel, &of).max(0.0).min(residuals.variance);
+            }
+            residuals
+        });
+        bands.concat()
+    }
+
+    /// Writes how each sample compares with the robust fit.
+    fn compare(&self, pixel: usize, out: &mut [Compared]) {
+        for (k, out) in out.iter_mut().enumerate() {
+            let (residual, weight) = self.residual(pixel, k);
+            *out = Compared { residual, weight, gradient: self.samples.direction(k, pixel) };
+        }
+    }
+
+    /// Returns the residuals of a pixel, without those shared with its neighbours.
+    fn of_pixel(&self, compared: &[Compared]) -> PixelResiduals {
+        let (mut matrix, mut squares, mut total) = (Sym3::default(), 0.0, 0.0);
+        let mut pulls = [Vec3::splat(0.0); SECTORS];
+        for (Compared { residual, weight, gradient }, sector) in compared.iter().zip(&self.sectors) {
+            matrix.add(*gradient, *weight);
+            squares += weight * residual * residual;
+            total += weight;
+            pulls[*sector] += *gradient * (weight * residual);
         }
         let variance = squares / (total - 3.0).max(1.0);
-        let shared = if pairs > 0.0 { (products / pairs).clamp(0.0, variance) } else { 0.0 };
         let inverse = if total > 3.0 { matrix.inverse() } else { None };
         let mut sectors = Sym3::default();
         if let Some(inverse) = inverse {
             pulls.iter().for_each(|pull| sectors.add(inverse.times(*pull), 1.0));
         }
-        PixelResiduals { inverse, variance, shared, sectors }
+        PixelResiduals { inverse, variance, shared: 0.0, sectors }
+    }
+
+    /// Returns the mean product of a pixel's residuals with those of the pixels on the right and below; 0 without any.
+    fn shared<'t>(&self, pixel: usize, of: &dyn Fn(usize) -> &'t [[f32; 2]]) -> f64 {
+        let [x, y] = self.grid.position(pixel).map(|v| v as i64);
+        let (mut products, mut pairs) = (0.0, 0.0);
+        for other in [self.grid.at(x + 1, y), self.grid.at(x, y + 1)].into_iter().flatten() {
+            for ([a, of_a], [b, of_b]) in of(pixel).iter().zip(of(other)) {
+                if *of_a > COMPARED && *of_b > COMPARED {
+                    products += f64::from(*a) * f64::from(*b);
+                    pairs += 1.0;
+                }
+            }
+        }
+        if pairs > 0.0 { products / pairs } else { 0.0 }
     }
 
     /// Returns the residual of a sample and its weight in the fit.

@@ -196,8 +196,8 @@ pub fn flattening(board: Sample, cosine: f64) -> f64 {
 fn estimated_bytes(photographs: usize, pixels: usize, shape: Shape) -> u64 {
     /// The program itself.
     const PROGRAM: u64 = 32 << 20;
-    /// Estimates, covariances, heights and files of a pixel.
-    const RESULTS: u64 = 800;
+    /// Surfaces, estimates, covariances, heights and files of a pixel.
+    const RESULTS: u64 = 1000;
     /// A decoded pixel with the decoder's own copy.
     const DECODED: u64 = 24;
     let threads = taotie_io::most_threads().unwrap_or(16).min(photographs) as u64;

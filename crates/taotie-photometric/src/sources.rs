@@ -17,7 +17,7 @@ pub struct AllSources<'a> {
     grid: &'a Grid,
     residuals: &'a [PixelResiduals],
     /// Normal times albedo.
-    direct: &'a [Vec3<f64>],
+    best: &'a [Vec3<f64>],
     pixels: Vec<Option<Pixel>>,
     /// The mean squared angle by which the removal of indirect light turned normals.
     turned: f64,
@@ -41,18 +41,17 @@ struct Pixel {
 }
 
 impl<'a> AllSources<'a> {
-    /// Compares the estimates of all pixels. Dark ones have no normal.
+    /// Compares the estimates of all pixels; `best` are normals times albedo. Dark ones have no normal.
     pub fn new(
-        grid: &'a Grid,
-        residuals: &'a [PixelResiduals],
+        (grid, residuals): (&'a Grid, &'a [PixelResiduals]),
         fits: &[Fit],
-        indirect: &'a Indirect,
+        indirect: &Indirect,
+        best: &'a [Vec3<f64>],
     ) -> Self {
-        let direct = indirect.direct.as_slice();
-        let background = BACKGROUND * quantile(direct.iter().map(|b| b.length()).collect(), 0.95);
-        let normals: Vec<Vec3<f64>> = direct.iter().map(|b| unit(*b)).collect();
-        let pixels = parallel::collect(direct.len(), |i| {
-            let (normal, length) = (normals[i], direct[i].length());
+        let background = BACKGROUND * quantile(best.iter().map(|b| b.length()).collect(), 0.95);
+        let normals: Vec<Vec3<f64>> = best.iter().map(|b| unit(*b)).collect();
+        let pixels = parallel::collect(best.len(), |i| {
+            let (normal, length) = (normals[i], best[i].length());
             // An inverse exists if enough samples agree.
             residuals[i].inverse?;
             if normal.z.is_nan() || normal.z <= 0.0 || length <= background {
@@ -60,7 +59,7 @@ impl<'a> AllSources<'a> {
             }
             let robust = unit(fits[i].robust);
             Some(Pixel {
-                turned: normal - robust,
+                turned: unit(indirect.direct[i]) - robust,
                 rejected: robust - unit(fits[i].least_squares),
                 sectors: residuals[i].sectors.scaled(1.0 / (length * length)),
                 curvature: curvature(grid, &normals, i),
@@ -73,7 +72,7 @@ impl<'a> AllSources<'a> {
         };
         let turned = mean(|pixel| pixel.turned.dot(pixel.turned));
         let curved = mean(|pixel| pixel.curvature).sqrt();
-        Self { grid, residuals, direct, pixels, turned, unexplained: indirect.unexplained, curved }
+        Self { grid, residuals, best, pixels, turned, unexplained: indirect.unexplained, curved }
     }
 
     /// Returns the sources of a pixel; `None` without a normal.
@@ -91,20 +90,20 @@ impl<'a> AllSources<'a> {
             }
         }
         let size = pixel.rejected.length();
-        let length = self.direct[i].length();
+        let length = self.best[i].length();
         let misfit = (shared / count).sqrt() / length;
         let inverse = self.residuals[i].inverse?;
         // Sectors also show noise: less than the covariance of noise, as three of their pulls are fitted.
         const FREE: f64 = (SECTORS - 3) as f64 / SECTORS as f64;
         let noise = inverse.scaled(FREE * (variance - shared).max(0.0) / (count * length * length));
-        let normal = unit(self.direct[i]);
+        let normal = unit(self.best[i]);
         let across = |matrix: &Sym3| matrix.trace() - normal.dot(matrix.times(normal));
         let sectors = sectors.scaled(1.0 / count);
         let part = (1.0 - across(&noise) / across(&sectors).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
         let all = self.unexplained * self.turned;
         let unseen = if self.curved > 0.0 { all * pixel.curvature.sqrt() / self.curved } else { 0.0 };
         Some(Sources {
-            b: self.direct[i],
+            b: self.best[i],
             noise: inverse.scaled(variance / count),
             sectors: sectors.scaled(part),
             turned: turned.scaled(self.unexplained * self.unexplained / count),

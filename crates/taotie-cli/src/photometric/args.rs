@@ -32,7 +32,7 @@ pub struct PhotometricArgs {
     /// The folder of photographs, or their .lp file; or a relightable image
     #[arg(value_name = "FOLDER|FILE")]
     pub input: PathBuf,
-    /// The folder to write: normals, uncertainty, albedo, residuals, mask, depth, plane.glb with the maps,
+    /// The folder to write: normals, uncertainty, albedo, base colour, roughness, residuals, mask, depth, plane.glb with the maps,
     /// relief.glb, report.html, and report.json
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
@@ -70,12 +70,14 @@ pub struct PhotometricArgs {
 }
 
 /// The files that are written.
-pub const OUTPUTS: [&str; 12] = [
+pub const OUTPUTS: [&str; 14] = [
     "normals.png",
     "normals.exr",
     "sigma.png",
     "sigma.exr",
     "albedo.png",
+    "base_color.png",
+    "roughness.png",
     "residual.exr",
     "mask.png",
     "depth.exr",

@@ -40,6 +40,8 @@ impl Output<'_> {
         self.write_sigma()?;
         self.write_floats("residual.exr", &self.estimate.image(|_, best| [best.residual; 3]))?;
         self.write_grey("albedo.png", &albedo_codes(self.estimate), Encoding::Srgb)?;
+        self.write_grey("base_color.png", &self.estimate.base_color_codes(), Encoding::Srgb)?;
+        self.write_grey("roughness.png", &self.estimate.roughness_codes(), Encoding::Linear)?;
         let mut warnings = Warnings::default();
         let plane = taotie_io::encode_scene(&self.estimate.plane()?, &["plane".to_owned()], &mut warnings)?;
         self.files.write_bytes(&self.folder.join("plane.glb"), &plane)?;

@@ -126,6 +126,7 @@ fn errors(estimate: &Estimate, truth: &Image) -> Result<Errors> {
     Ok(Errors {
         least_squares: of(Estimator::LeastSquares)?,
         robust: of(Estimator::Robust)?,
+        direct: of(Estimator::Direct)?,
         best: of(Estimator::Best)?,
         coverage: estimate.coverage(truth),
     })

@@ -11,7 +11,7 @@ use taotie::asset::StageTime;
 use taotie_engine::compare::{Summary, angular_error};
 use taotie_engine::math::Vec3;
 use taotie_engine::names::Named;
-use taotie_photometric::{Coverage, Estimate, Estimator, Outline, PhotographSet, Samples};
+use taotie_photometric::{Coverage, Estimate, Estimator, Outline, PhotographSet, RegionFinish, Samples};
 use taotie_report::table::summary_text;
 
 /// Version of the JSON.
@@ -59,6 +59,10 @@ pub struct Report {
     pub rejection: Option<Summary>,
     /// Degrees between the robust normals and those without indirect light.
     pub indirect: Option<Summary>,
+    /// Degrees between the normals without indirect light and the written ones, for which the pixel program is fitted.
+    pub fit: Option<Summary>,
+    /// Regions with one highlight, the darkest first: pixels, and roughness and F0, or null if matt.
+    pub regions: Vec<RegionFinish>,
     /// The albedo of bright pixels that indirect light implies.
     pub albedo: f64,
     /// The samples in shadow that the albedo was measured in; 0 if it is assumed.
@@ -103,7 +107,9 @@ pub struct Errors {
     pub least_squares: Summary,
     /// Without shadows and highlights.
     pub robust: Summary,
-    /// Without shadows, highlights and indirect light: the written normals.
+    /// Without shadows, highlights and indirect light.
+    pub direct: Summary,
+    /// The pixel program fitted to samples without shadows and indirect light: the written normals.
     pub best: Summary,
     /// Fractions of the written normals that are within their uncertainty.
     pub coverage: Option<Coverage>,
@@ -149,7 +155,9 @@ impl Report {
             pixels: estimate.best.iter().flatten().count(),
             sigma: estimate.sigma().ok().and_then(|sigma| sigma.summary()),
             rejection: between(Estimator::LeastSquares, Estimator::Robust),
-            indirect: between(Estimator::Robust, Estimator::Best),
+            indirect: between(Estimator::Robust, Estimator::Direct),
+            fit: between(Estimator::Direct, Estimator::Best),
+            regions: estimate.regions.clone(),
             albedo: estimate.albedo,
             shadow_samples: estimate.shadows,
             unexplained: estimate.unexplained,
@@ -201,6 +209,7 @@ impl Report {
             ("sigma", &self.sigma, "68 % of errors are expected below"),
             ("rejection", &self.rejection, "least squares against the robust estimate"),
             ("indirect", &self.indirect, "turned by removing light between parts of the object"),
+            ("fit", &self.fit, "turned by fitting the reflection, with highlights"),
         ];
         for (name, angles, what) in angles {
             if let Some(angles) = angles {
@@ -223,6 +232,16 @@ impl Report {
                 self.albedo
             ),
         };
+        for RegionFinish { pixels, finish } in &self.regions {
+            let _ = match finish {
+                Some(finish) => writeln!(
+                    text,
+                    "surface    roughness {:.2}, F0 {:.3}: {pixels} pixels",
+                    finish.roughness, finish.f0
+                ),
+                None => writeln!(text, "surface    matt: {pixels} pixels"),
+            };
+        }
         let mut worst: Vec<&PhotographReport> = self.photographs.iter().collect();
         worst.sort_by(|a, b| b.residual.total_cmp(&a.residual));
         let worst = worst.iter().take(WORST);
@@ -233,6 +252,7 @@ impl Report {
             let all = [
                 ("least squares", &errors.least_squares),
                 ("robust", &errors.robust),
+                ("no indirect", &errors.direct),
                 ("written", &errors.best),
             ];
             text.push('\n');

@@ -172,7 +172,7 @@ struct Map {
     error: Option<MapError>,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Debug, PartialEq)]
 struct MapError {
     unit: String,
     mean: f64,

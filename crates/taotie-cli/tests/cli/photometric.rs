@@ -66,6 +66,8 @@ fn normals_are_those_of_the_model() {
         "sigma.png",
         "sigma.exr",
         "albedo.png",
+        "base_color.png",
+        "roughness.png",
         "residual.exr",
         "mask.png",
         "plane.glb",
@@ -96,7 +98,15 @@ fn the_text_states_what_was_assumed() {
         assert!(text.contains(line), "{line:?}: {text}");
     }
     place.taotie("photometric dome.lp -o again --threads 2").assert().success();
-    for name in ["normals.exr", "sigma.exr", "residual.exr", "depth.exr", "relief.glb"] {
+    for name in [
+        "normals.exr",
+        "roughness.png",
+        "base_color.png",
+        "sigma.exr",
+        "residual.exr",
+        "depth.exr",
+        "relief.glb",
+    ] {
         assert_eq!(place.read(&format!("out/{name}")), place.read(&format!("again/{name}")), "{name}");
     }
 }

@@ -44,14 +44,37 @@ fn read(path: &Path, memory: u64) -> Result<Estimate, Error> {
     Estimate::of(&Samples::read(&set, &reading, Progress::SILENT)?, Progress::SILENT)
 }
 
-/// Asserts that reading fails with one line that has these words and names a file or folder.
-fn assert_refused(path: &Path, words: &str, what: &str) {
-    let error = read(path, 1 << 30).map(|_| ()).expect_err(what).to_string();
-    let name = path.file_name().unwrap().to_string_lossy();
-    assert!(error.contains(words), "{what}: {error}");
-    assert!(!error.contains('\n') && error.len() < 400, "{what}: {error}");
-    let names_a_file = error.contains(&*name) || error.contains("p1.png") || error.contains(".txt");
-    assert!(names_a_file || error.contains("no pixel has a normal"), "{what}: {error}");
+/// The kinds of errors that are expected.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Kind {
+    Io,
+    Parse,
+    Invalid,
+    Unsupported,
+    Limit,
+}
+
+fn kind_of(error: &Error) -> Option<Kind> {
+    Some(match error {
+        Error::Io { .. } => Kind::Io,
+        Error::Parse { .. } => Kind::Parse,
+        Error::Invalid { .. } => Kind::Invalid,
+        Error::Unsupported { .. } => Kind::Unsupported,
+        Error::Limit { .. } => Kind::Limit,
+        _ => return None,
+    })
+}
+
+/// Asserts that reading fails with an error of this kind, in one line that starts with the file in `folder` and the
+/// place in it, as `start`, and has these words.
+fn assert_refused(path: &Path, folder: &Path, (kind, start, words): (Kind, &str, &str), what: &str) {
+    let error = read(path, 1 << 30).map(|_| ()).expect_err(what);
+    assert_eq!(kind_of(&error), Some(kind), "{what}: {error}");
+    let shown = error.to_string().replace(&format!("{}/", folder.display()), "");
+    let shown = shown.replace(&folder.display().to_string(), "FOLDER");
+    assert!(shown.starts_with(start), "{what}: expected `{start}`: {shown}");
+    assert!(shown.contains(words), "{what}: {shown}");
+    assert!(!shown.contains('\n') && shown.len() < 400, "{what}: {shown}");
 }
 
 /// Returns the lines of the valid file.
@@ -78,36 +101,42 @@ fn the_valid_folder_is_read() {
     assert!(read(&folder.path().join("dome.lp"), 1 << 30).is_ok());
 }
 
-#[test]
-fn every_wrong_lp_file_has_one_clear_error() {
-    let third = |line: &str| with_line(2, line);
-    let mut cases: Vec<(String, &str)> = Vec::new();
+/// A wrong `.lp` file: its text, and the expected error's kind, start and words.
+type Case = (String, (Kind, &'static str, &'static str));
+
+/// Returns files whose count is wrong, or that have no lights.
+fn wrong_counts() -> Vec<Case> {
+    let mut cases = Vec::new();
     for count in ["5", "7", "0", "1", "600", "99999999", "18446744073709551615"] {
-        cases.push((with_count(count), "lights stated, but 6 follow"));
+        let words = "lights stated, but 6 follow";
+        cases.push((with_count(count), (Kind::Parse, "dome.lp: line 1: ", words)));
     }
-    for count in [
-        "six",
-        "-6",
-        "6.0",
-        "6,0",
-        "0x6",
-        "6a",
-        "١",
-        "NaN",
-        "18446744073709551616",
-        "[6]",
-        "{",
-        "#6x".trim_start_matches('#'),
-    ] {
-        cases.push((with_count(count), "expected the number of lights"));
+    let words = "expected the number of lights";
+    for count in
+        ["six", "-6", "6.0", "6,0", "0x6", "6a", "١", "NaN", "18446744073709551616", "[6]", "{", "6x"]
+    {
+        cases.push((with_count(count), (Kind::Parse, "dome.lp: line 1: ", words)));
     }
-    for text in ["", "\n\n", "# nothing", "6", "6\n\n\n", "\u{feff}", "0\n", "   \t "] {
-        cases.push((text.to_owned(), "no lights"));
+    cases.push((format!("# dome\n\n{}", with_count("six")), (Kind::Parse, "dome.lp: line 3: ", words)));
+    for text in ["", "\n\n", "# nothing", "\u{feff}", "   \t "] {
+        cases.push((text.to_owned(), (Kind::Parse, "dome.lp: line 1: ", "no lights")));
     }
-    for line in ["p3.png", "p3.png 1", "p3.png;1", "p3.png\t0.1"] {
-        cases.push((third(line), "line 4: expected `NAME X Y Z`"));
+    for text in ["6", "6\n\n\n", "0\n", "6\n# none\n"] {
+        cases.push((text.to_owned(), (Kind::Parse, "dome.lp: the end: ", "no lights")));
     }
-    for line in [
+    cases
+}
+
+/// Returns files whose third light is wrong.
+fn wrong_lines() -> Vec<Case> {
+    let mut cases = Vec::new();
+    let mut third = |lines: &[&str], words: &'static str| {
+        for line in lines {
+            cases.push((with_line(2, line), (Kind::Parse, "dome.lp: line 4: ", words)));
+        }
+    };
+    third(&["p3.png", "p3.png 1", "p3.png;1", "p3.png\t0.1"], "expected `NAME X Y Z`");
+    let not_numbers = [
         "p3.png 0 0.5 x",
         "p3.png 0 0.5 1e",
         "p3.png 0 0.5 --1",
@@ -128,13 +157,14 @@ fn every_wrong_lp_file_has_one_clear_error() {
         "p3.png 0 0.5 1_000",
         "p3.png 0 0.5 +-1",
         "p3.png 0 0.5 ,",
-    ] {
-        cases.push((third(line), "is not a number"));
-    }
-    for line in ["p3.png 0 0 0", "p3.png 0,0 0,0 0,0", "p3.png 1e-12 0 0", "p3.png -0 -0 -0"] {
-        cases.push((third(line), "line 4: the vector towards the light is zero"));
-    }
-    for line in [
+        "p3.png 0 0.5 'a\u{7}b'",
+        "p3.png x 0.5 0.8",
+        "p3.png 0 y 0.8",
+    ];
+    third(&not_numbers, "is not a number");
+    let zero = ["p3.png 0 0 0", "p3.png 0,0 0,0 0,0", "p3.png 1e-12 0 0", "p3.png -0 -0 -0"];
+    third(&zero, "the vector towards the light is zero");
+    let absent = [
         "p9.png 0 0.5 0.8",
         "photo of p3 0 0.5 0.8",
         "../../etc/passwd 0 0.5 0.8",
@@ -142,42 +172,61 @@ fn every_wrong_lp_file_has_one_clear_error() {
         "mask.png 0 0.5 0.8",
         "p?.png 0 0.5 0.8",
         "3 0 0.5 0.8",
-    ] {
-        cases.push((third(line), "line 4: "));
-    }
-    for line in ["p1.png 0 0.5 0.8", "P1.PNG 0 0.5 0.8", "C:\\dome\\p1.png 0 0.5 0.8", "p1.tif 0 0.5 0.8"] {
-        cases.push((third(line), "is also the photograph of line 2"));
-    }
-    cases.push((third("0 0.5 0.8"), "some lines have a name and others do not"));
-    let plane = LIGHTS.iter().enumerate().map(|(i, _)| format!("p{}.png {} 0 1", i + 1, i as f64 * 0.2));
-    cases.push((plane.collect::<Vec<_>>().join("\n"), "nearly in one plane"));
-    let same = (1..=6).map(|i| format!("p{i}.png 0.1 0.2 0.9"));
-    cases.push((same.collect::<Vec<_>>().join("\n"), "from one direction"));
-    let behind = LIGHTS
-        .iter()
-        .enumerate()
-        .map(|(i, light)| format!("p{}.png {}", i + 1, light.replace(" 0.", " -0.")));
-    cases.push((behind.collect::<Vec<_>>().join("\n"), "from behind"));
-    cases.push((lines()[..3].join("\n"), "at least 4 are needed"));
-    cases.push((
-        format!("7\n{}\n0 0.1 0.9\n", LIGHTS.join("\n")),
-        "line 8: photograph 7 of 6: the folder has too few",
-    ));
-    let numbered = LIGHTS.iter().enumerate().map(|(i, light)| format!("{} {light}", 2 * i + 1));
-    cases.push((numbered.collect::<Vec<_>>().join("\n"), "line 4: photograph 7 of 6"));
-    cases.push((with_line(2, &"x".repeat(5000)), "5000 bytes long"));
-    cases.push(("a 0 0 1\n".repeat(5000), "at most 4096 lights"));
+    ];
+    third(&absent, "is not among the 6 photographs");
+    let twice = ["p1.png 0 0.5 0.8", "P1.PNG 0 0.5 0.8", "C:\\dome\\p1.png 0 0.5 0.8", "p1.tif 0 0.5 0.8"];
+    third(&twice, "is also the photograph of line 2");
+    third(&["0 0.5 0.8"], "some lines have a name and others do not");
+    third(&[&"x".repeat(5000)], "5000 bytes long");
+    cases
+}
+
+/// Returns files whose lights are wrong together.
+fn wrong_lights() -> Vec<Case> {
+    let all = |line: &dyn Fn(usize, &str) -> String| {
+        let lines: Vec<String> = LIGHTS.iter().enumerate().map(|(i, light)| line(i, light)).collect();
+        lines.join("\n")
+    };
+    let plane = all(&|i, _| format!("p{}.png {} 0 1", i + 1, i as f64 * 0.2));
+    let same = all(&|i, _| format!("p{}.png 0.1 0.2 0.9", i + 1));
+    let behind = all(&|i, light| format!("p{}.png {}", i + 1, light.replace(" 0.", " -0.")));
+    let numbered = all(&|i, light| format!("{} {light}", 2 * i + 1));
+    let too_many = format!("7\n{}\n0 0.1 0.9\n", LIGHTS.join("\n"));
+    vec![
+        (plane, (Kind::Invalid, "dome.lp: lights nearly in one plane", "add photographs")),
+        (
+            same,
+            (Kind::Invalid, "dome.lp: lights nearly in one plane or from one direction", "add photographs"),
+        ),
+        (behind, (Kind::Invalid, "dome.lp: lights from behind", "negate z")),
+        (lines()[..3].join("\n"), (Kind::Invalid, "dome.lp: 3 lights", "at least 4 are needed")),
+        (lines()[..1].join("\n"), (Kind::Invalid, "dome.lp: 1 lights", "at least 4 are needed")),
+        (too_many, (Kind::Parse, "dome.lp: line 8: ", "photograph 7 of 6: the folder has too few")),
+        (numbered, (Kind::Parse, "dome.lp: line 4: ", "photograph 7 of 6")),
+        ("a 0 0 1\n".repeat(5000), (Kind::Limit, "dome.lp", "at most 4096 lights")),
+    ]
+}
+
+#[test]
+fn every_wrong_lp_file_has_one_clear_error() {
+    let cases = [wrong_counts(), wrong_lines(), wrong_lights()].concat();
+    let texts: std::collections::BTreeSet<&String> = cases.iter().map(|(text, _)| text).collect();
+    assert!(texts.len() >= 75 && texts.len() == cases.len(), "{} of {}", texts.len(), cases.len());
     let folder = folder();
     let path = folder.path().join("dome.lp");
-    assert!(cases.len() >= 70, "{}", cases.len());
-    for (text, words) in &cases {
+    for (text, expected) in &cases {
         write(folder.path(), "dome.lp", text.as_bytes());
-        assert_refused(&path, words, &text.chars().take(200).collect::<String>());
+        assert_refused(&path, folder.path(), *expected, &text.chars().take(200).collect::<String>());
     }
-    for bytes in [&[0_u8; 2000][..], &png(64, 9), &[0xff; 3000], b"\x80\x81\x82 1"] {
+    for (i, bytes) in [&[0_u8; 2000][..], &png(64, 9), &[0xff; 3000], b"\x80\x81\x82 1", b"\xff\xfe\x00\xd8"]
+        .into_iter()
+        .enumerate()
+    {
         write(folder.path(), "dome.lp", bytes);
-        assert_refused(&path, "dome.lp", "bytes that are not text");
+        assert_refused(&path, folder.path(), (Kind::Parse, "dome.lp: ", ""), &format!("bytes {i}"));
     }
+    write(folder.path(), "dome.lp", &vec![b' '; (1 << 24) + 1]);
+    assert_refused(&path, folder.path(), (Kind::Limit, "dome.lp", "at most 16 MiB of text"), "a long file");
 }
 
 #[test]
@@ -190,82 +239,106 @@ fn every_wrong_diligent_folder_has_one_clear_error() {
         lines[line] = text;
         (which, lines.join("\n"))
     };
+    let [names, directions, intensities] = files.map(|file| format!("{file}: "));
+    let at = |file: &str, place: &str| format!("{file}{place}: ");
     let cases = [
-        (replaced(0, 2, "p9.png"), "filenames.txt: line 3: 'p9.png' is not among the 6 photographs"),
-        (replaced(0, 2, "p1.png"), "is also the photograph of line 1"),
-        (replaced(0, 2, ""), "light_directions.txt: the end: 6 lines, but filenames.txt has 5"),
-        ((0, String::new()), "6 lines, but filenames.txt has 0"),
-        (replaced(1, 2, "0 0.5"), "light_directions.txt: line 3: expected three numbers"),
-        (replaced(1, 2, "0 0.5 0.8 1"), "light_directions.txt: line 3: expected three numbers"),
-        (replaced(1, 2, "0 0.5 x"), "light_directions.txt: line 3: expected three numbers"),
-        (replaced(1, 2, "0 0.5 nan"), "light_directions.txt: line 3: expected three numbers"),
-        (replaced(1, 2, "0 0 0"), "light_directions.txt: line 3: the direction is zero"),
-        (replaced(1, 2, ""), "light_directions.txt: the end: 5 lines"),
-        ((1, String::new()), "light_directions.txt: the end: 0 lines"),
-        ((1, ["0.1 0.1 1"; 6].join("\n")), "from one direction"),
-        ((1, LIGHTS.join("\n").replace(" 0.", " -0.")), "from behind"),
-        (replaced(2, 2, "1 1"), "light_intensities.txt: line 3: expected three numbers"),
-        (replaced(2, 2, "1 1 one"), "light_intensities.txt: line 3: expected three numbers"),
-        (replaced(2, 2, "1 0 1"), "light_intensities.txt: line 3: intensities must be above 0"),
-        (replaced(2, 2, "1 -1 1"), "light_intensities.txt: line 3: intensities must be above 0"),
-        (replaced(2, 2, ""), "light_intensities.txt: the end: 5 lines"),
-        ((2, "1 1 1\n".repeat(7)), "light_intensities.txt: the end: 7 lines"),
+        (replaced(0, 2, "p9.png"), at(&names, "line 3"), "'p9.png' is not among the 6 photographs"),
+        (replaced(0, 2, "p1.png"), at(&names, "line 3"), "is also the photograph of line 1"),
+        (replaced(0, 2, ""), at(&directions, "the end"), "6 lines, but filenames.txt has 5"),
+        ((0, String::new()), at(&directions, "the end"), "6 lines, but filenames.txt has 0"),
+        (replaced(1, 2, "0 0.5"), at(&directions, "line 3"), "expected three numbers"),
+        (replaced(1, 2, "0 0.5 0.8 1"), at(&directions, "line 3"), "expected three numbers"),
+        (replaced(1, 2, "0 0.5 x"), at(&directions, "line 3"), "expected three numbers"),
+        (replaced(1, 2, "0 0.5 nan"), at(&directions, "line 3"), "expected three numbers"),
+        (replaced(1, 2, "0 0 0"), at(&directions, "line 3"), "the direction is zero"),
+        (replaced(1, 2, ""), at(&directions, "the end"), "5 lines"),
+        ((1, String::new()), at(&directions, "the end"), "0 lines"),
+        ((1, ["0.1 0.1 1"; 6].join("\n")), directions.clone() + "lights nearly", "from one direction"),
+        (
+            (1, LIGHTS.join("\n").replace(" 0.", " -0.")),
+            directions.clone() + "lights from behind",
+            "negate z",
+        ),
+        (replaced(2, 2, "1 1"), at(&intensities, "line 3"), "expected three numbers"),
+        (replaced(2, 2, "1 1 one"), at(&intensities, "line 3"), "expected three numbers"),
+        (replaced(2, 2, "1 0 1"), at(&intensities, "line 3"), "intensities must be above 0"),
+        (replaced(2, 2, "1 -1 1"), at(&intensities, "line 3"), "intensities must be above 0"),
+        (replaced(2, 2, ""), at(&intensities, "the end"), "5 lines"),
+        ((2, "1 1 1\n".repeat(7)), at(&intensities, "the end"), "7 lines"),
     ];
     let folder = folder();
-    for ((which, text), words) in &cases {
+    for ((which, text), start, words) in &cases {
         for (i, file) in files.iter().enumerate() {
             write(folder.path(), file, if i == *which { text } else { &valid[i] }.as_bytes());
         }
-        assert_refused(folder.path(), words, text);
+        let kind = if start.contains(": lights ") { Kind::Invalid } else { Kind::Parse };
+        assert_refused(folder.path(), folder.path(), (kind, start, words), text);
     }
-    for (missing, words) in [(0, "filenames.txt is missing"), (1, "light_directions.txt is missing")] {
+    for missing in [0, 1] {
         files.iter().zip(&valid).for_each(|(file, text)| write(folder.path(), file, text.as_bytes()));
         std::fs::remove_file(folder.path().join(files[missing])).unwrap();
-        assert_refused(folder.path(), words, files[missing]);
+        let start = format!("FOLDER: {} is missing", files[missing]);
+        assert_refused(folder.path(), folder.path(), (Kind::Invalid, &start, "add it"), files[missing]);
     }
 }
 
 #[test]
 fn every_wrong_folder_has_one_clear_error() {
     type Damage = fn(&Path);
-    let cases: [(&str, Damage); 14] = [
-        ("no lights", |folder| std::fs::remove_file(folder.join("dome.lp")).unwrap()),
-        ("several files of lights", |folder| write(folder, "other.lp", b"6")),
-        ("several files of lights", |folder| write(folder, "light_directions.txt", b"0 0 1")),
-        ("p3.png: 5x5 pixels of 8 bits: p1.png has 4x4", |folder| write(folder, "p3.png", &png(5, 9))),
-        ("p3.png", |folder| write(folder, "p3.png", b"")),
-        ("p3.png", |folder| write(folder, "p3.png", b"GIF89a....")),
-        ("p3.png", |folder| write(folder, "p3.png", &png(4, 9)[..40])),
-        ("mask.png: a mask of 5x5", |folder| write(folder, "mask.png", &png(5, 255))),
-        ("mask.png: an empty mask", |folder| write(folder, "mask.png", &png(4, 0))),
-        ("mask.png", |folder| write(folder, "mask.png", b"not an image")),
-        ("'p3.png' is not among the 5 photographs", |folder| {
-            std::fs::remove_file(folder.join("p3.png")).unwrap()
+    let cases: [(Kind, &str, &str, Damage); 17] = [
+        (Kind::Invalid, "FOLDER: no lights", "", |folder| {
+            std::fs::remove_file(folder.join("dome.lp")).unwrap()
         }),
-        ("the image format 'dng' is not supported: convert", |folder| {
+        (Kind::Invalid, "FOLDER: several files of lights", "other.lp", |folder| {
+            write(folder, "other.lp", b"6")
+        }),
+        (Kind::Invalid, "FOLDER: several files of lights", "light_directions.txt", |folder| {
+            write(folder, "light_directions.txt", b"0 0 1");
+        }),
+        (Kind::Invalid, "p3.png: 5x5 pixels of 8 bits", "p1.png has 4x4", |folder| {
+            write(folder, "p3.png", &png(5, 9));
+        }),
+        (Kind::Unsupported, "p3.png: ", "use PNG", |folder| write(folder, "p3.png", b"")),
+        (Kind::Unsupported, "p3.png: ", "", |folder| write(folder, "p3.png", b"GIF89a....")),
+        (Kind::Parse, "p3.png: ", "", |folder| write(folder, "p3.png", b"\x89PNG\r\n\x1a\n")),
+        (Kind::Parse, "p3.png: ", "", |folder| write(folder, "p3.png", &png(4, 9)[..40])),
+        (Kind::Invalid, "mask.png: a mask of 5x5", "4x4", |folder| write(folder, "mask.png", &png(5, 255))),
+        (Kind::Invalid, "mask.png: an empty mask", "white", |folder| write(folder, "mask.png", &png(4, 0))),
+        (Kind::Unsupported, "mask.png: ", "use PNG", |folder| write(folder, "mask.png", b"")),
+        (Kind::Parse, "dome.lp: line 4: ", "'p3.png' is not among the 5 photographs", |folder| {
+            std::fs::remove_file(folder.join("p3.png")).unwrap();
+        }),
+        (Kind::Parse, "dome.lp: line 4: ", "'p3.png' is not among the 5 photographs", |folder| {
+            std::fs::remove_file(folder.join("p3.png")).unwrap();
+            std::fs::create_dir(folder.join("p3.png")).unwrap();
+        }),
+        (Kind::Unsupported, "p3.dng: the image format 'dng'", "convert", |folder| {
             std::fs::rename(folder.join("p3.png"), folder.join("p3.dng")).unwrap();
         }),
-        ("the image format 'dng' is not supported: convert", |folder| {
+        (Kind::Unsupported, "p3.DNG: the image format 'dng'", "convert", |folder| {
             std::fs::rename(folder.join("p3.png"), folder.join("p3.DNG")).unwrap();
         }),
-        ("no pixel has a normal", |folder| {
-            (1..=6).for_each(|i| write(folder, &format!("p{i}.png"), &png(4, 0)))
+        (Kind::Unsupported, "p6.cr2: the image format 'cr2'", "convert", |folder| {
+            std::fs::rename(folder.join("p6.png"), folder.join("p6.cr2")).unwrap();
+        }),
+        (Kind::Invalid, "no pixel has a normal", "black", |folder| {
+            (1..=6).for_each(|i| write(folder, &format!("p{i}.png"), &png(4, 0)));
         }),
     ];
-    for (words, damage) in cases {
+    for (kind, start, words, damage) in cases {
         let folder = folder();
         write(folder.path(), "dome.lp", with_count("6").as_bytes());
         damage(folder.path());
-        let error = read(folder.path(), 1 << 30).map(|_| ()).expect_err(words).to_string();
-        let shown = error.replace(&format!("{}/", folder.path().display()), "");
-        assert!(shown.contains(words) && !shown.contains('\n'), "{words}: {shown}");
+        assert_refused(folder.path(), folder.path(), (kind, start, words), start);
     }
     let folder = folder();
     write(folder.path(), "dome.lp", with_count("6").as_bytes());
-    let error = read(folder.path(), 1 << 20).map(|_| ()).unwrap_err().to_string();
+    let error = read(folder.path(), 1 << 20).map(|_| ()).unwrap_err();
+    assert_eq!(kind_of(&error), Some(Kind::Limit), "{error}");
+    let error = error.to_string();
     assert!(error.contains("6 photographs of 4x4") && error.contains("--memory-limit"), "{error}");
-    let error = read(&folder.path().join("none.lp"), 1 << 30).map(|_| ()).unwrap_err().to_string();
-    assert!(error.contains("none.lp"), "{error}");
+    let none = folder.path().join("none.lp");
+    assert_refused(&none, folder.path(), (Kind::Io, "none.lp: ", ""), "a file that does not exist");
 }
 
 #[test]
