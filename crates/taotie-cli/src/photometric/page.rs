@@ -25,8 +25,12 @@ const BINS: usize = 40;
 const BRIGHT: f64 = 1.2;
 
 /// The estimators, as the page names them.
-const ESTIMATORS: [(Estimator, &str); 3] =
-    [(Estimator::Best, "written"), (Estimator::Robust, "robust"), (Estimator::LeastSquares, "least squares")];
+const ESTIMATORS: [(Estimator, &str); 4] = [
+    (Estimator::Best, "written"),
+    (Estimator::Direct, "without indirect light"),
+    (Estimator::Robust, "robust"),
+    (Estimator::LeastSquares, "least squares"),
+];
 
 /// The content of the page.
 pub struct PhotometricPage<'a> {
@@ -201,11 +205,16 @@ impl PhotometricPage<'_> {
         };
         let report = self.report;
         match &report.truth {
-            Some(Errors { least_squares, robust, best, .. }) => table(
+            Some(Errors { least_squares, robust, direct, best, .. }) => table(
                 "Estimators",
                 "Angle between the estimated and the true normals.",
                 "estimator",
-                vec![row("least squares", least_squares), row("robust", robust), row("written", best)],
+                vec![
+                    row("least squares", least_squares),
+                    row("robust", robust),
+                    row("without indirect light", direct),
+                    row("written", best),
+                ],
             ),
             None => table(
                 "Estimators",
@@ -213,7 +222,8 @@ impl PhotometricPage<'_> {
                 "quantity",
                 [
                     ("shadows and highlights: least squares to robust", &report.rejection),
-                    ("indirect light: robust to written", &report.indirect),
+                    ("indirect light: robust to without it", &report.indirect),
+                    ("reflection fitted: without indirect light to written", &report.fit),
                     ("sigma", &report.sigma),
                 ]
                 .into_iter()
