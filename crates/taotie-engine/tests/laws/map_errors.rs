@@ -133,8 +133,6 @@ fn errors_are_small_and_spoiled_maps_are_found() {
             _ => 0.0,
         };
         // A position elsewhere on the scan is still on it; the nearest texel of a gradient is a step away.
-        let is_tied =
-            matches!(kind, MapKind::Position | MapKind::Gradient | MapKind::MaterialId | MapKind::ObjectId);
         let is_seen = spoiled > 2.0 * own;
         if own > most || !is_seen {
             faults.push(format!("{kind:?}: {own}, at most {most}; moved: {spoiled}"));
