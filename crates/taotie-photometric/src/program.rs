@@ -87,7 +87,7 @@ impl Surface {
                 emissive: Vec3::splat(zero),
                 variance: zero,
             },
-            layers: LayerInputs { clearcoat: None, sheen: None, anisotropy: None },
+            layers: LayerInputs::NONE,
         };
         Lit { pixel: inputs.shaded(normal), irradiance: Vec3::splat(constant(irradiance)) }
     }

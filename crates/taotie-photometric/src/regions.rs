@@ -44,12 +44,8 @@ fn region(fitting: &Fitting<'_>, entries: &[Entry], below: f64) -> Region {
     Region { below, finish, misfit }
 }
 
-fn divided(
-    fitting: &Fitting<'_>,
-    entries: &[Entry],
-    whole: Region,
-    (divisions, least): (usize, f64),
-) -> Vec<Region> {
+fn divided(fitting: &Fitting<'_>, entries: &[Entry], whole: Region, limits: (usize, f64)) -> Vec<Region> {
+    let (divisions, least) = limits;
     let Some(threshold) = threshold(entries).filter(|_| divisions > 0) else { return vec![whole] };
     let (dark, bright): (Vec<Entry>, Vec<Entry>) = entries.iter().partition(|(_, log)| *log < threshold);
     if (dark.len().min(bright.len()) as f64) < least {

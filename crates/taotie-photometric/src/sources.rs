@@ -43,11 +43,12 @@ struct Pixel {
 impl<'a> AllSources<'a> {
     /// Compares the estimates of all pixels; `best` are normals times albedo. Dark ones have no normal.
     pub fn new(
-        (grid, residuals): (&'a Grid, &'a [PixelResiduals]),
+        of_pixels: (&'a Grid, &'a [PixelResiduals]),
         fits: &[Fit],
         indirect: &Indirect,
         best: &'a [Vec3<f64>],
     ) -> Self {
+        let (grid, residuals) = of_pixels;
         let background = BACKGROUND * quantile(best.iter().map(|b| b.length()).collect(), 0.95);
         let normals: Vec<Vec3<f64>> = best.iter().map(|b| unit(*b)).collect();
         let pixels = parallel::collect(best.len(), |i| {

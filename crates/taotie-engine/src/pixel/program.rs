@@ -101,6 +101,11 @@ pub struct LayerInputs<L> {
     pub anisotropy: Option<AnisotropyInputs<L>>,
 }
 
+impl<L> LayerInputs<L> {
+    /// No layers.
+    pub const NONE: Self = Self { clearcoat: None, sheen: None, anisotropy: None };
+}
+
 /// A clearcoat at a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CoatInputs<L> {
