@@ -222,7 +222,7 @@ pub fn damped(matrix: &Sym3, damping: f64) -> Sym3 {
     damped
 }
 
-/// Returns a surface after a step of its own variables.
+/// Returns a surface after a step of its variables.
 pub fn moved(surface: &Surface, step: Vec3<f64>) -> Surface {
     let [t, u] = surface.tangents;
     let limit = LONGEST / step.x.hypot(step.y).max(LONGEST);

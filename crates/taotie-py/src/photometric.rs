@@ -44,7 +44,7 @@ pub struct Normals {
     warnings: Warnings,
 }
 
-/// What to estimate from.
+/// The photographs, from files or arrays.
 enum Source {
     Path(PathBuf, Option<PathBuf>),
     Images { images: Vec<Taken>, lights: Vec<[f64; 3]>, mask: Option<Taken> },

@@ -10,14 +10,14 @@ use taotie_engine::bake::{
     Plane, RayPreview, TexelStatus,
 };
 use taotie_engine::error::Result;
-use taotie_engine::image::{Bitmap, Sampler, Texture};
+use taotie_engine::image::Bitmap;
 use taotie_engine::length::Unit;
 use taotie_engine::math::Vec3;
 use taotie_engine::math::srgb::srgb_from_linear;
 use taotie_engine::names::Named;
 use taotie_engine::normal_map::{CoveredNormals, Storage, store_codes, store_rgba, store_unit_vectors};
 use taotie_engine::progress::Progress;
-use taotie_engine::scene::{GreenChannel, Material, NormalMap, NormalSpace, Scene, TextureRef, UvTransform};
+use taotie_engine::scene::{Material, NormalSpace};
 use taotie_engine::surface::encode_normal;
 use taotie_io::{GltfImage, GltfMaterial};
 
@@ -297,24 +297,6 @@ fn tangent_code(normal: [f32; 3], bits: u8) -> [f32; 3] {
     encode_normal(if n.z >= least { n } else { raised() }).to_array()
 }
 
-/// Assigns an object-space normal map, which glTF cannot reference, to the material with this number, or to all of
-/// them.
-pub(in crate::asset) fn assign_object_map(
-    scene: &mut Scene,
-    material: Option<usize>,
-    (texture, sampler): (&Texture, Sampler),
-) -> Result<()> {
-    scene.edit(|scene| {
-        scene.textures.push(texture.clone());
-        let (number, transform) = (scene.textures.len() - 1, UvTransform::default());
-        let texture = TextureRef { texture: number, uv_set: 0, sampler, transform };
-        let map = NormalMap { texture, scale: 1.0, space: NormalSpace::Object, green: GreenChannel::Up };
-        let shown =
-            scene.materials.iter_mut().enumerate().filter(|(i, _)| material.is_none_or(|own| own == *i));
-        shown.for_each(|(_, material)| material.normal = Some(map));
-    })
-}
-
 /// The fraction of a map covered by banding above which normals are dithered.
 const MOST_BANDED: f64 = 0.05;
 
@@ -415,7 +397,11 @@ impl Separate<'_> {
             MapContent::Color => {
                 of(store_codes(size, |i| vectors[i].map(srgb_code), 3, or_floats(DITHERED, self.options))?)
             }
-            MapContent::Fraction if map == MapKind::Gradient => of(self.gradient()?),
+            MapContent::Fraction if map == MapKind::Gradient => {
+                let extent = self.scan.mesh().vertical_extent();
+                let code = |i: usize| [MapKind::gradient(vectors[i][1], extent); 3];
+                of(store_codes(size, code, 1, or_floats(FINE, self.options))?)
+            }
             MapContent::Fraction => of(store_codes(
                 size,
                 |i| [self.maps.numbers(plane)[i]; 3],
@@ -455,18 +441,6 @@ impl Separate<'_> {
         let unit = if plane == Plane::Curvature { curvature } else { length };
         let range = Range { black: f64::from(black), white: f64::from(white), unit };
         Ok(SeparateMap { range: Some(range), ..SeparateMap::plain(map, bitmap) })
-    }
-
-    /// Creates a 16-bit map of heights between the lowest and the highest point of the scan.
-    fn gradient(&self) -> Result<Bitmap> {
-        let extent = self.scan.mesh().vertical_extent();
-        let positions = self.maps.vectors(Plane::Position);
-        store_codes(
-            self.maps.size(),
-            |i| [MapKind::gradient(positions[i][1], extent); 3],
-            1,
-            or_floats(FINE, self.options),
-        )
     }
 
     /// Creates a 16-bit map of positions relative to the centre of the scan.

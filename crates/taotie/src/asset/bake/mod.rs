@@ -11,7 +11,7 @@ pub(super) use asset::{Coarser, LevelLook, Made, MadeAsset, Part, Rounding};
 pub use judgement::Misses;
 pub(super) use judgement::{INSIDE_OUT, percent, refuse_astray, useless_map};
 pub use maps::{Range, SeparateMap, Textures};
-pub(super) use maps::{Recipe, StoredMaps, assign_object_map, bake_maps, label_color, labeled};
+pub(super) use maps::{Recipe, StoredMaps, bake_maps, label_color, labeled};
 pub use memory::MemoryEstimate;
 pub use plan::DroppedProperty;
 pub(super) use plan::{BakePlan, chosen_side, set_sizes, side_shortfall};

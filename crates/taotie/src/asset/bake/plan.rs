@@ -198,7 +198,7 @@ pub(in crate::asset) fn set_sizes(options: &BakeOptions, lows: &[LowPoly]) -> Re
                 };
                 return Err(Error::invalid(format!("the size of {name}"), why));
             }
-            // A tile of a material goes before the material.
+            // The name of a tile overrides that of its material.
             let own = |low: &LowPoly| sizes.get(low.label()).or_else(|| sizes.get(low.file_label())).copied();
             let size = |low: &LowPoly| own(low).map_or(usual, |side| [side; 2]);
             Ok(lows.iter().map(size).collect())

@@ -232,7 +232,7 @@ impl Report {
     /// Adds the figures of a proof, and its maps with their errors.
     pub fn prove(&mut self, figures: Figures, maps: Vec<MapNote>) {
         self.proof = Some(figures);
-        // A proof of files alone knows no maps.
+        // A proof of an asset that was not baked here has no maps.
         if !maps.is_empty() {
             self.maps = maps;
         }

@@ -9,8 +9,10 @@ use super::pictures::{
 };
 use super::shown::{ShownLevel, stacked};
 use crate::asset::ask::{Requirement, pixels_across};
-use crate::asset::bake::{Made, Part, assign_object_map};
-use crate::asset::source::{Scan, all_files, from_metres, is_gltf, is_in_scan_unit, stated_unit};
+use crate::asset::bake::{Made, Part};
+use crate::asset::source::{
+    Scan, all_files, assign_object_map, from_metres, is_gltf, is_in_scan_unit, stated_unit,
+};
 use crate::asset::write::{MapNote, StoredValues, WrittenAsset, codes_of_normals, maps_alone};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

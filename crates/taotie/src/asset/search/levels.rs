@@ -6,10 +6,10 @@ use super::packed::packer;
 use super::smallest::{PackedAsset, Smallest, smallest};
 use super::workshop::{Shape, Subject, Workshop, encoded_mesh};
 use crate::asset::ask::{BakeOptions, Lod};
-use crate::asset::bake::{
-    Coarser, LevelLook, MadeAsset, Recipe, Rounding, StoredMaps, assign_object_map, bake_maps,
+use crate::asset::bake::{Coarser, LevelLook, MadeAsset, Recipe, Rounding, StoredMaps, bake_maps};
+use crate::asset::source::{
+    Base, KeptTextures, LowPoly, Pair, RayLength, Rays, Scan, assign_object_map, low_poly,
 };
-use crate::asset::source::{Base, KeptTextures, LowPoly, Pair, RayLength, Rays, Scan, low_poly};
 use std::sync::Arc;
 use taotie_engine::bake::{self, MapKind};
 use taotie_engine::error::{Error, Result, Warnings};

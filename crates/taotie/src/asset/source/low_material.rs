@@ -5,10 +5,12 @@ use super::low_poly::KeptTextures;
 use super::material::Property;
 use crate::asset::ask::BakeOptions;
 use taotie_engine::bake::MapKind;
-use taotie_engine::error::Warnings;
+use taotie_engine::error::{Result, Warnings};
 use taotie_engine::image::{Bitmap, Encoding, Sampler, TexelFilter, Texture, Wrap};
 use taotie_engine::math::{Vec2, poly};
-use taotie_engine::scene::{AlphaMode, Material, Scene, TextureRef, UvTransform};
+use taotie_engine::scene::{
+    AlphaMode, GreenChannel, Material, NormalMap, NormalSpace, Scene, TextureRef, UvTransform,
+};
 
 /// The appearance of a given low-poly mesh.
 #[derive(Clone, Copy)]
@@ -238,6 +240,24 @@ impl Metalness {
         let texels = (texture.width() as f32 / width).max(texture.height() as f32 / height);
         self.factor * Sampler::default().sample(texture, uv, poly::log2(texels))[2]
     }
+}
+
+/// Assigns an object-space normal map, which glTF cannot reference, to the material with this number, or to all of
+/// them.
+pub(in crate::asset) fn assign_object_map(
+    scene: &mut Scene,
+    material: Option<usize>,
+    (texture, sampler): (&Texture, Sampler),
+) -> Result<()> {
+    scene.edit(|scene| {
+        scene.textures.push(texture.clone());
+        let (number, transform) = (scene.textures.len() - 1, UvTransform::default());
+        let texture = TextureRef { texture: number, uv_set: 0, sampler, transform };
+        let map = NormalMap { texture, scale: 1.0, space: NormalSpace::Object, green: GreenChannel::Up };
+        let shown =
+            scene.materials.iter_mut().enumerate().filter(|(i, _)| material.is_none_or(|own| own == *i));
+        shown.for_each(|(_, material)| material.normal = Some(map));
+    })
 }
 
 #[cfg(test)]

@@ -17,7 +17,7 @@ pub(super) use extent::{Extent, Spot, Whole};
 pub(super) use given::{GivenMesh, Inputs};
 pub use low_file::into_metres;
 pub(super) use low_file::{Document, from_metres, is_in_scan_unit, root_scale};
-pub(super) use low_material::{LowLook, Metalness};
+pub(super) use low_material::{LowLook, Metalness, assign_object_map};
 #[cfg(test)]
 pub(super) use low_poly::Skew;
 pub(super) use low_poly::{Base, KeptTextures, LowPoly, MadeFrom, Pair, RayLength, Rays, Relief};
