@@ -8,7 +8,7 @@ use crate::program::Finish;
 use crate::residuals::{LightResiduals, PixelResiduals, Residuals};
 use crate::robust::{self, Fit, Robust, Scratch};
 use crate::samples::Samples;
-use crate::sources::AllSources;
+use crate::sources::{AllSources, Estimates};
 use crate::surfaces::{RegionFinish, Surfaces};
 use crate::symmetric::Sym2;
 use crate::uncertainty::{RadiusTable, tangents, unit};
@@ -117,7 +117,8 @@ impl Estimate {
         progress.begin("uncertainty")?;
         let of_pixels = residuals.of_pixels(&fitting, &surfaces.of_pixels);
         let b = fitting.vectors(&surfaces.of_pixels);
-        let sources = AllSources::new((&grid, &of_pixels), &fits, &indirect, &b);
+        let sources =
+            AllSources::new(&grid, &of_pixels, &Estimates { fits: &fits, indirect: &indirect, best: &b });
         let best = best(&sources, &of_pixels, &b);
         if best.iter().all(Option::is_none) {
             let why = "the photographs are black within the mask, or do not fit the lights";

@@ -31,11 +31,20 @@ pub struct Region {
 /// A pixel and the logarithm of its albedo.
 type Entry = (usize, f64);
 
+/// What ends the division of a region.
+#[derive(Debug, Clone, Copy)]
+struct Limits {
+    /// Further divisions.
+    divisions: usize,
+    /// The fewest pixels of a part.
+    least: f64,
+}
+
 /// Divides pixels into regions, the darkest first. Each pixel has its albedo, above 0.
 pub fn regions(fitting: &Fitting<'_>, pixels: &[(usize, f64)]) -> Vec<Region> {
     let entries: Vec<Entry> = pixels.iter().map(|(i, albedo)| (*i, scalar::ln(*albedo))).collect();
     let whole = region(fitting, &entries, f64::INFINITY);
-    divided(fitting, &entries, whole, (DIVISIONS, LEAST * pixels.len() as f64))
+    divided(fitting, &entries, whole, Limits { divisions: DIVISIONS, least: LEAST * pixels.len() as f64 })
 }
 
 fn region(fitting: &Fitting<'_>, entries: &[Entry], below: f64) -> Region {
@@ -44,8 +53,8 @@ fn region(fitting: &Fitting<'_>, entries: &[Entry], below: f64) -> Region {
     Region { below, finish, misfit }
 }
 
-fn divided(fitting: &Fitting<'_>, entries: &[Entry], whole: Region, limits: (usize, f64)) -> Vec<Region> {
-    let (divisions, least) = limits;
+fn divided(fitting: &Fitting<'_>, entries: &[Entry], whole: Region, limits: Limits) -> Vec<Region> {
+    let Limits { divisions, least } = limits;
     let Some(threshold) = threshold(entries).filter(|_| divisions > 0) else { return vec![whole] };
     let (dark, bright): (Vec<Entry>, Vec<Entry>) = entries.iter().partition(|(_, log)| *log < threshold);
     if (dark.len().min(bright.len()) as f64) < least {
@@ -57,7 +66,7 @@ fn divided(fitting: &Fitting<'_>, entries: &[Entry], whole: Region, limits: (usi
     if apart > NO_BETTER * whole.misfit * entries.len() as f64 {
         return vec![whole];
     }
-    let rest = (divisions - 1, least);
+    let rest = Limits { divisions: divisions - 1, least };
     let mut regions = divided(fitting, &dark, below, rest);
     regions.extend(divided(fitting, &bright, above, rest));
     regions

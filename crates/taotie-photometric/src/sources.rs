@@ -27,6 +27,16 @@ pub struct AllSources<'a> {
     curved: f64,
 }
 
+/// The estimates that are compared, of all pixels.
+pub struct Estimates<'a> {
+    /// Before indirect light is removed.
+    pub fits: &'a [Fit],
+    /// After that.
+    pub indirect: &'a Indirect,
+    /// Normals times albedo, as written.
+    pub best: &'a [Vec3<f64>],
+}
+
 /// A pixel with a normal.
 #[derive(Debug, Clone, Copy)]
 struct Pixel {
@@ -41,14 +51,9 @@ struct Pixel {
 }
 
 impl<'a> AllSources<'a> {
-    /// Compares the estimates of all pixels; `best` are normals times albedo. Dark ones have no normal.
-    pub fn new(
-        of_pixels: (&'a Grid, &'a [PixelResiduals]),
-        fits: &[Fit],
-        indirect: &Indirect,
-        best: &'a [Vec3<f64>],
-    ) -> Self {
-        let (grid, residuals) = of_pixels;
+    /// Compares the estimates of all pixels. Dark ones have no normal.
+    pub fn new(grid: &'a Grid, residuals: &'a [PixelResiduals], estimates: &Estimates<'a>) -> Self {
+        let Estimates { fits, indirect, best } = *estimates;
         let background = BACKGROUND * quantile(best.iter().map(|b| b.length()).collect(), 0.95);
         let normals: Vec<Vec3<f64>> = best.iter().map(|b| unit(*b)).collect();
         let pixels = parallel::collect(best.len(), |i| {
