@@ -110,7 +110,7 @@ impl Estimate {
             false => Indirect::remove(samples, &grid, &fitted, progress.begin("indirect light")?)?,
         };
         let fitting = Fitting::new(samples, &fits, &indirect);
-        let surfaces = match few {
+        let surfaces = match few || samples.is_relit {
             true => Surfaces { of_pixels: vec![None; fits.len()], regions: Vec::new() },
             false => Surfaces::fit(&fitting, fits.len(), progress.begin("surfaces")?)?,
         };

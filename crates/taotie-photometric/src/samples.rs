@@ -29,6 +29,8 @@ pub struct Samples {
     pub bits: u8,
     /// The encoding of the photographs: linear or sRGB.
     pub transfer: Transfer,
+    /// `true` if they are made from a relightable image, which smooths highlights: no reflection is fitted.
+    pub is_relit: bool,
 }
 
 /// The most pixels of all photographs together, so that indices and sums stay exact.
@@ -109,7 +111,8 @@ impl Samples {
         let lights = set.photographs.iter().map(|photograph| photograph.light.direction).collect();
         let positions = set.photographs.iter().map(|photograph| photograph.light.position).collect();
         let Shape { width, height, bits } = shape;
-        Ok(Self { width, height, pixels: mask, images, lights, positions, bits, transfer })
+        let is_relit = set.relightable.is_some();
+        Ok(Self { width, height, pixels: mask, images, lights, positions, bits, transfer, is_relit })
     }
 
     /// Takes the samples of photographs in memory. Lights are distant; the mask is white inside.
@@ -141,7 +144,8 @@ impl Samples {
         let (positions, lights) =
             (vec![None; lights.len()], lights.iter().map(|light| light.direction).collect());
         let Shape { width, height, bits } = shape;
-        Ok(Self { width, height, pixels, images, lights, positions, bits, transfer })
+        let is_relit = false;
+        Ok(Self { width, height, pixels, images, lights, positions, bits, transfer, is_relit })
     }
 
     /// Returns the unit vector from a pixel of the mask towards a light.
