@@ -4,7 +4,7 @@ use std::sync::Arc;
 use taotie_engine::bake::{
     BakeInput, BakeSettings, BakedMaps, Cage, CageGroups, MapKind, Maps, Plane, Scan, UvIndex, bake,
 };
-use taotie_engine::math::{Mat4, Vec2, Vec3};
+use taotie_engine::math::{Mat4, Vec2, Vec3, scalar};
 use taotie_engine::mesh::{Mesh, MeshData};
 use taotie_engine::progress::Progress;
 use taotie_engine::proof::{MapCheck, StoredMap};
@@ -16,7 +16,8 @@ const SIDE: u32 = 128;
 /// A ball with bumps, its colours along x.
 fn bumpy() -> Mesh {
     let data = Mesh::sphere(1.0, 192, 96).into_data();
-    let bump = |p: &Vec3| 1.0 + 0.08 * (8.0 * p.x).sin() * (8.0 * p.y).sin() * (8.0 * p.z).sin();
+    let wave = |v: f32| scalar::sin(8.0 * f64::from(v)) as f32;
+    let bump = |p: &Vec3| 1.0 + 0.08 * wave(p.x) * wave(p.y) * wave(p.z);
     let positions: Vec<Vec3> = data.positions.iter().map(|p| *p * bump(p)).collect();
     let colors = positions.iter().map(|p| [p.x * 0.5 + 0.5, 0.5, 0.2, 1.0]).collect();
     let bare = MeshData { positions, colors, normals: Vec::new(), tangents: Vec::new(), ..data };
