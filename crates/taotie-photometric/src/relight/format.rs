@@ -85,7 +85,7 @@ impl Relightable {
     ///
     /// # Errors
     /// [`Error::Io`]; [`Error::Parse`] if a file is damaged; [`Error::Unsupported`] for other kinds of coefficients;
-    /// [`Error::Limit`].
+    /// [`taotie_engine::Error::Limit`].
     pub fn open(path: &Path, limits: &Limits) -> Result<Self> {
         /// The file and its planes.
         const COPIES: u64 = 3;
