@@ -31,7 +31,7 @@ impl Coefficients {
     /// Fits a basis to photographs.
     ///
     /// # Errors
-    /// Those of reading them; [`Error::Limit`], [`Error::Cancelled`].
+    /// Those of reading them; [`taotie_engine::Error::Limit`], [`taotie_engine::Error::Cancelled`].
     pub fn fit(photographs: &ColorReader, basis: Basis, progress: Progress<'_>) -> Result<Self> {
         let (width, height) = photographs.size();
         let pixels = u64::from(width) * u64::from(height);

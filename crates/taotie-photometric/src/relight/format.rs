@@ -50,7 +50,7 @@ impl RelightFormat {
     /// Returns the files of a relightable image, with `path` as the name of the file or folder.
     ///
     /// # Errors
-    /// [`Error::Invalid`] if a JPEG cannot be as wide or high.
+    /// [`taotie_engine::Error::Invalid`] if a JPEG cannot be as wide or high.
     pub fn files(self, image: &Relightable, path: &Path) -> Result<Vec<FileBytes>> {
         let one = |bytes| vec![FileBytes { path: path.to_path_buf(), bytes }];
         match self {
@@ -84,7 +84,7 @@ impl Relightable {
     /// Reads a `.ptm` or `.rti` file, or the images described by an `info.json`.
     ///
     /// # Errors
-    /// [`Error::Io`]; [`Error::Parse`] if a file is damaged; [`Error::Unsupported`] for other kinds of coefficients;
+    /// [`taotie_engine::Error::Io`]; [`taotie_engine::Error::Parse`] if a file is damaged; [`taotie_engine::Error::Unsupported`] for other kinds of coefficients;
     /// [`taotie_engine::Error::Limit`].
     pub fn open(path: &Path, limits: &Limits) -> Result<Self> {
         /// The file and its planes.
