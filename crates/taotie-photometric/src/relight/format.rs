@@ -84,7 +84,8 @@ impl Relightable {
     /// Reads a `.ptm` or `.rti` file, or the images described by an `info.json`.
     ///
     /// # Errors
-    /// [`taotie_engine::Error::Io`]; [`taotie_engine::Error::Parse`] if a file is damaged; [`taotie_engine::Error::Unsupported`] for other kinds of coefficients;
+    /// [`taotie_engine::Error::Io`]; [`taotie_engine::Error::Parse`] if a file is damaged;
+    /// [`taotie_engine::Error::Unsupported`] for other kinds of coefficients;
     /// [`taotie_engine::Error::Limit`].
     pub fn open(path: &Path, limits: &Limits) -> Result<Self> {
         /// The file and its planes.
