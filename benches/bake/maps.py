@@ -110,9 +110,9 @@ def with_blender(comparison, own, other, objects):
     )
     for name, title, target in pairs:
         comparison.add(title, "Blender", vectors(own[name]), vectors(other[name]), angles, "°", target)
-    apart = uniform(objects[..., None], ALONE)
+    clear = uniform(objects[..., None], ALONE)
     bevels = vectors(own["bevel"]), vectors(other["bevel"])
-    comparison.add("bevel away from other objects", "Blender", *bevels, angles, "°", 1, apart)
+    comparison.add("bevel away from other objects", "Blender", *bevels, angles, "°", 1, clear)
     occlusion = own["ao"][..., 0], other["ao"][..., 0]
     comparison.add("occlusion", "Blender", *occlusion, apart, "", 0.02, wrong=own["wrong ao"][..., 0])
     diagonal = np.linalg.norm(np.ptp(other["position"][comparison.mask], axis=0))

@@ -162,8 +162,10 @@ fn heights_are_distances_to_the_scan() {
     // A sphere of radius 1.05 around a low-poly one inscribed in radius 1.
     let scan = scan(bare_sphere(1.05, 256, 128));
     let low = low_poly(&bare_sphere(1.0, 64, 32), 256);
-    let (baked, _) = baked(&low, &scan, &settings(256, &[MapKind::Height, MapKind::Curvature]));
+    let (baked, _) =
+        baked(&low, &scan, &settings(256, &[MapKind::Height, MapKind::Curvature, MapKind::Position]));
     assert_eq!(baked.counts.missed, 0);
+    let mut worst = [0.0f32; 2];
     for i in covered(&baked.maps) {
         // The low-poly sphere's facets are up to 1 − cos(π/64) inside it.
         assert!(
@@ -171,13 +173,13 @@ fn heights_are_distances_to_the_scan() {
             "{}",
             baked.maps.numbers(Plane::Height)[i]
         );
-        // Triangles at the poles are so small that the rounding of their corners bends them.
-        assert!(
-            (baked.maps.numbers(Plane::Curvature)[i] * 1.05 - 1.0).abs() < 0.1,
-            "{}",
-            baked.maps.numbers(Plane::Curvature)[i]
-        );
+        // At the poles, the scan's normals are means over fans of triangles, which lean too far.
+        let [x, _, z] = baked.maps.vectors(Plane::Position)[i];
+        let is_pole = x.hypot(z) < 0.06;
+        let off = (baked.maps.numbers(Plane::Curvature)[i] * 1.05 - 1.0).abs();
+        worst[usize::from(is_pole)] = worst[usize::from(is_pole)].max(off);
     }
+    assert!(worst[0] < 0.035 && worst[1] < 0.18, "{worst:?}");
     let curvatures: Vec<f32> =
         covered(&baked.maps).map(|i| baked.maps.numbers(Plane::Curvature)[i]).collect();
     let mean = curvatures.iter().sum::<f32>() / curvatures.len() as f32;
