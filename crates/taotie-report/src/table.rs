@@ -2,6 +2,7 @@
 
 use taotie_engine::compare::Summary;
 use taotie_engine::length::{ShownLength, Unit, significant};
+use taotie_engine::names::Named;
 use taotie_engine::proof::MapError;
 
 /// Rows of cells under titles, in aligned columns of text. Columns of numbers are right-aligned.
@@ -137,14 +138,16 @@ pub fn map_error_texts(MapError { unit, summary, .. }: &MapError, of_figures: Op
         "" => significant(value, 3),
         "°" => format!("{}°", significant(value, 3)),
         "share" => format!("{} %", significant(value * 100.0, 3)),
-        length if LENGTHS.contains(&length) => ShownLength::of(value, of_figures, 3).to_string(),
+        length if length == NO_UNIT || Unit::from_name(length).is_ok() => {
+            ShownLength::of(value, of_figures, 3).to_string()
+        }
         other => format!("{} {other}", significant(value, 3)),
     };
     [summary.mean, summary.p95, summary.max].map(text)
 }
 
-/// The units of lengths.
-const LENGTHS: [&str; 5] = ["model units", "mm", "cm", "m", "in"];
+/// The unit of lengths whose unit is unknown.
+const NO_UNIT: &str = "model units";
 
 /// Returns a cell, quoted if necessary.
 fn quoted(cell: String) -> String {

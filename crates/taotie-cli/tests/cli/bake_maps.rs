@@ -113,7 +113,8 @@ fn maps_of_points_have_units_and_names() {
 fn floats_are_the_numbers_themselves() {
     let place = Place::with("scan.obj", SCAN.obj());
     place.write("low.obj", LOW.obj());
-    let line = "bake scan.obj --low low.obj --size 32 --maps normal,position,curvature,gradient --json";
+    let line =
+        "bake scan.obj --low low.obj --size 32 --maps normal,position,curvature,gradient,object-id --json";
     let of = |output: &str| place.json(&format!("{line} -o {output}"));
     let (codes, tiff, exr) = (of("out.png"), of("floats.tiff --bits 32"), of("floats.exr"));
     let [black, white] = ["black", "white"].map(|end| note(&codes, "curvature")[end].as_f64().unwrap());
@@ -123,6 +124,7 @@ fn floats_are_the_numbers_themselves() {
             (&about["bits"], &about["black"], &about["white"]),
             (&json!(32), &json!(0.0), &json!(1.0))
         );
+        assert_eq!(note(report, "object-id")["error"]["max"], 0.0);
     }
     let coded = channel(&picture(&place, "out.curvature.png"), 0);
     let [tiff, exr] =

@@ -304,12 +304,12 @@ impl RayPreview {
         Self { met: ends(met), missed: ends(missed) }
     }
 
-    /// Returns the rays with those of another mesh.
-    #[must_use]
-    pub fn and(mut self, other: &Self) -> Self {
-        self.met.extend(&other.met);
-        self.missed.extend(&other.missed);
-        self
+    /// Returns an equal share of the rays of each of several meshes: together as many as of one.
+    pub fn shared(all: &[&Self]) -> Self {
+        let of = |ends: fn(&Self) -> &[[Vec3; 2]]| {
+            all.iter().flat_map(|rays| ends(rays).iter().step_by(all.len())).copied().collect()
+        };
+        Self { met: of(|rays| &rays.met), missed: of(|rays| &rays.missed) }
     }
 }
 

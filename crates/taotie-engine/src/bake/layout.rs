@@ -257,7 +257,7 @@ impl Weights {
         let corners = rasterizer.corners(triangle).unwrap_or_default();
         let [a, b, c] = corners.map(|[x, y]| Vec2::new(x, y));
         let (e, f) = (b - a, c - a);
-        let det = e.x * f.y - e.y * f.x;
+        let det = e.cross(f);
         let scale = if det == 0.0 { 0.0 } else { 1.0 / det };
         Self {
             origin: a,

@@ -43,7 +43,7 @@ pub use scan::{Scan, Visibility};
 pub use sights::SightLine;
 pub(crate) use sights::sphere_directions;
 pub use simplify::{DetailLevel, Simplified, SimplifyMethod, SimplifyOptions, levels, simplify};
-pub(crate) use sky::{Bevel, Seen};
+pub(crate) use sky::{Bevel, Seen, facet_of};
 pub use texel_surface::{SurfacePoint, TexelSurface, UvIndex, UvLookup};
 pub(crate) use texels::mean_curvatures;
 pub use texels::{BakeInput, BakeSettings, bake, bytes_of_bands};

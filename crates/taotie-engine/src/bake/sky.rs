@@ -173,7 +173,7 @@ impl Sky {
 }
 
 /// Returns the normal of the triangle at a correspondence, on the side of its smooth normal.
-fn facet_of(scan: &Scan, found: &Correspondence) -> Vec3 {
+pub(crate) fn facet_of(scan: &Scan, found: &Correspondence) -> Vec3 {
     let facet = facet_normal(scan.mesh().corners(found.point.triangle as usize)).unwrap_or(found.normal);
     if facet.dot(found.normal) < 0.0 { -facet } else { facet }
 }

@@ -124,7 +124,7 @@ struct Linear {
 impl Linear {
     fn new(values: [Vec3<f64>; 3], [a, b, c]: [Vec2<f64>; 3]) -> Self {
         let (e, f) = (b - a, c - a);
-        let det = e.x * f.y - e.y * f.x;
+        let det = e.cross(f);
         let (p, q) = (values[1] - values[0], values[2] - values[0]);
         let by_u = (p * f.y - q * e.y) / det;
         let by_v = (q * e.x - p * f.x) / det;
@@ -205,9 +205,8 @@ impl UvTriangle {
     /// Returns the minimum barycentric weight of a uv: below 0 outside.
     fn least_weight(&self, p: Vec2<f64>) -> f64 {
         let [a, b, c] = self.corners;
-        let cross = |p: Vec2<f64>, q: Vec2<f64>| p.x * q.y - p.y * q.x;
-        let area = cross(b - a, c - a);
-        let (v, w) = (cross(p - a, c - a) / area, cross(b - a, p - a) / area);
+        let area = (b - a).cross(c - a);
+        let (v, w) = ((p - a).cross(c - a) / area, (b - a).cross(p - a) / area);
         v.min(w).min(1.0 - v - w)
     }
 
@@ -248,7 +247,7 @@ impl UvIndex {
         let Some(uvs) = mesh.uvs().first() else { return Err(wrong("it has no uvs to match")) };
         let placed = |t: usize| -> Option<[Vec3; 3]> {
             let [a, b, c] = mesh.triangles()[t].map(|v| uvs[v as usize]);
-            let has_area = (b.x - a.x) * (c.y - a.y) != (b.y - a.y) * (c.x - a.x);
+            let has_area = (b - a).cross(c - a) != 0.0;
             let middle = (a + b + c) * (1.0 / 3.0);
             let tile = Vec2::new(middle.x.floor(), middle.y.floor());
             let at = |uv: Vec2| Vec3::new(uv.x - tile.x, uv.y - tile.y, 0.0);

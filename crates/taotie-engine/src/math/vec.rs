@@ -32,6 +32,14 @@ impl<L> Vec2<L> {
     }
 }
 
+impl<L: Lane> Vec2<L> {
+    /// The z component of the cross product: twice the signed area of the triangle that both span.
+    #[inline(always)]
+    pub fn cross(self, o: Self) -> L {
+        self.x * o.y - self.y * o.x
+    }
+}
+
 impl<L: Lane> Add for Vec2<L> {
     type Output = Self;
     #[inline(always)]

@@ -5,14 +5,17 @@
 //! occlusion and thickness are integrated over other directions, and heights are measured by the distance from the scan of
 //! the point that they state. Only if points of the same uv correspond, it is that point, which the bake uses too.
 
-use crate::bake::{Bevel, Cage, Correspondence, MapKind, ProjectionRay, Scan, Seen, Target, mean_curvatures};
+use crate::bake::{
+    Bevel, Cage, Correspondence, MapKind, ProjectionRay, Scan, Seen, Target, facet_of, mean_curvatures,
+};
 use crate::compare::{Field, Summary, angle_deg, color_difference};
 use crate::error::Result;
-use crate::math::{Vec2, Vec3, integration, scalar};
+use crate::math::{Vec2, Vec3, integration};
 use crate::mesh::{Mesh, Point, TangentFrame, blend, each, sample_area};
 use crate::parallel;
 use crate::scene::NormalSpace;
-use crate::surface::facet_normal;
+use crate::shade::sampling::cosine_direction;
+use crate::surface::{facet_normal, tangent_normal};
 use crate::trace::Ray;
 
 /// The error of a map, at points that see the scan.
@@ -62,9 +65,9 @@ const POINTS_OF_RAYS: usize = 1_000;
 /// Rays for each of these points.
 const RAYS: u32 = 512;
 /// The distance along the normal within which the scan is looked for at least, as a fraction of its diagonal.
-const REACH: f64 = 0.02;
+const REACH: f32 = 0.02;
 /// The height above the surface at which rays start, as a fraction of the scan's diagonal.
-const OFFSET: f64 = 1e-5;
+const OFFSET: f32 = 1e-5;
 
 impl MapCheck<'_> {
     /// Measures the error of a map, in `unit`: angles in degrees; CIEDE2000; differences of fractions, numbers and
@@ -94,14 +97,14 @@ impl MapCheck<'_> {
     /// Returns the error at a point; `None` if it does not see the scan.
     fn error_at(&self, map: &StoredMap<'_>, (point, seed): (Point, u32), known: &Known) -> Option<f32> {
         let stored = (map.value)(point.uv(self.low, 0));
-        let ray = self.head_on(point)?;
+        let ray = self.head_on(point, known.diagonal)?;
         let found = self.scan.project(&ray)?;
         let mesh = self.scan.mesh();
         let seen = Seen { scan: self.scan, among: ray.among.filter(|_| self.isolated) };
-        let around = Around::of(seen, &found, seed);
+        let around = Around::of(seen, &found, (known.diagonal * OFFSET, seed));
         let angle = |expected: Vec3| {
-            let stored =
-                if map.kind == MapKind::WorldNormal { stored } else { self.in_world(map, point, stored) };
+            let is_in_world = map.kind == MapKind::WorldNormal || map.space == NormalSpace::Object;
+            let stored = if is_in_world { stored } else { self.shown(point, stored) };
             Some(angle_deg(stored.to_f64(), expected.to_f64()) as f32)
         };
         match map.kind {
@@ -123,7 +126,7 @@ impl MapCheck<'_> {
                 Some(self.scan.bvh().closest(at, f32::INFINITY)?.distance)
             }
             MapKind::VectorDisplacement => {
-                let at = ray.point + self.in_world(map, point, stored);
+                let at = ray.point + self.displacement(map, point, stored);
                 Some((at - found.point.position(mesh)).length())
             }
             MapKind::Gradient => {
@@ -148,18 +151,24 @@ impl MapCheck<'_> {
     }
 
     /// Returns the ray of a viewer who looks at a point along the normal of its triangle.
-    fn head_on(&self, point: Point) -> Option<ProjectionRay<'_>> {
+    fn head_on(&self, point: Point, diagonal: f32) -> Option<ProjectionRay<'_>> {
         let ray = self.cage.projection_ray(self.low, point);
         let facet = facet_normal(self.low.corners(point.triangle as usize))?;
         let direction = if facet.dot(ray.direction) < 0.0 { -facet } else { facet };
-        let distance = ray.distance.max((self.scan.mesh().diagonal() * REACH) as f32);
+        let distance = ray.distance.max(diagonal * REACH);
         // That of the same uv lies in the direction in which heights are stored.
         let direction = if ray.target == Target::OnRay { direction } else { ray.direction };
         Some(ProjectionRay { direction, distance, ..ray })
     }
 
-    /// Returns a vector of a map in world space.
-    fn in_world(&self, map: &StoredMap<'_>, point: Point, v: Vec3) -> Vec3 {
+    /// Returns the direction that a renderer shows for a vector in tangent space.
+    fn shown(&self, point: Point, v: Vec3) -> Vec3 {
+        let TangentFrame { normal, tangent, handedness } = point.frame(self.low);
+        tangent_normal(normal, tangent, handedness, v)
+    }
+
+    /// Returns a displacement in world space; in tangent space, it is along the axes of the frame, made orthonormal.
+    fn displacement(&self, map: &StoredMap<'_>, point: Point, v: Vec3) -> Vec3 {
         if map.space == NormalSpace::Object {
             return v;
         }
@@ -187,6 +196,8 @@ struct Known {
     bevel: Option<Bevel>,
     /// The scan's lowest and highest y.
     extent: [f32; 2],
+    /// The scan's diagonal, in model units.
+    diagonal: f32,
 }
 
 impl Known {
@@ -196,6 +207,7 @@ impl Known {
         Self {
             curvatures: if is_curvature { mean_curvatures(mesh) } else { Vec::new() },
             extent: mesh.vertical_extent(),
+            diagonal: mesh.diagonal() as f32,
             bevel: (kind == MapKind::Bevel).then(|| Bevel::of_scan(mesh, check.bevel_radius, (RAYS, 1))),
         }
     }
@@ -212,31 +224,21 @@ struct Around<'a> {
 }
 
 impl<'a> Around<'a> {
-    fn of(seen: Seen<'a>, found: &Correspondence, seed: u32) -> Self {
-        let mesh = seen.scan.mesh();
-        let facet = facet_normal(mesh.corners(found.point.triangle as usize)).unwrap_or(found.normal);
-        Self {
-            seen,
-            position: found.point.position(mesh),
-            normal: found.normal,
-            facet: if facet.dot(found.normal) < 0.0 { -facet } else { facet },
-            offset: (mesh.diagonal() * OFFSET) as f32,
-            seed,
-        }
+    fn of(seen: Seen<'a>, found: &Correspondence, (offset, seed): (f32, u32)) -> Self {
+        let facet = facet_of(seen.scan, found);
+        let position = found.point.position(seen.scan.mesh());
+        Self { seen, position, normal: found.normal, facet, offset, seed }
     }
 
     /// Returns directions around the normal whose density is their cosine.
-    ///
-    /// Source: Malley's method, as in Pharr et al. 2023, "Physically Based Rendering", §A.5.3.
     fn directions(&self) -> impl Iterator<Item = Vec3> {
         let points = integration::Sequence::new(self.seed);
         let tangent = self.normal.any_perpendicular();
         let bitangent = self.normal.cross(tangent);
         (0..RAYS).map(move |i| {
-            let [u, v, ..] = points.four(i, 0).map(f64::from);
-            let (radius, angle) = (u.sqrt(), std::f64::consts::TAU * v);
-            let [x, y, z] = [radius * scalar::cos(angle), radius * scalar::sin(angle), (1.0 - u).sqrt()];
-            tangent * x as f32 + bitangent * y as f32 + self.normal * z as f32
+            let [u, v, ..] = points.four(i, 0);
+            let local = cosine_direction([u, v]);
+            tangent * local.x + bitangent * local.y + self.normal * local.z
         })
     }
 

@@ -59,7 +59,8 @@ impl Asset {
 
     /// Returns some projection rays of the finest level, in the space of the scan.
     pub fn rays(&self) -> RayPreview {
-        self.made.parts.iter().fold(RayPreview::default(), |all, part| all.and(&part.maps.rays))
+        let all: Vec<&RayPreview> = self.made.parts.iter().map(|part| &part.maps.rays).collect();
+        RayPreview::shared(&all)
     }
 
     /// Returns the unit of the scan's coordinates; `None` if it is unknown.

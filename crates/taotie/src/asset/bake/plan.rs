@@ -214,7 +214,7 @@ fn width_of_map(mesh: &Mesh) -> f64 {
         let [a, b, c] = mesh.corners(t).map(Vec3::to_f64);
         surface += (b - a).cross(c - a).length();
         let [a, b, c] = corners.map(|v| uvs[v as usize]);
-        map += f64::from((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)).abs();
+        map += f64::from((b - a).cross(c - a)).abs();
     }
     if map > 0.0 { (surface / map).sqrt() } else { 0.0 }
 }

@@ -325,9 +325,21 @@ impl WrittenAsset {
         }
         scan.sort(progress)?;
         progress.begin("measure maps")?;
-        for part in &self.asset.made.parts {
+        let Made { options, parts, .. } = &*self.asset.made;
+        // The scan may be another than that of the bake.
+        let uvs = (options.matching == MatchRule::Uv).then(|| UvIndex::of(scan.mesh()).map(Arc::new));
+        let uvs = uvs.transpose()?;
+        for part in parts {
+            let check = MapCheck {
+                low: &part.low.mesh,
+                cage: &part.maps.cage.clone().with_uvs(uvs.clone()),
+                scan: scan.sorted(),
+                isolated: options.matching == MatchRule::Isolated,
+                sky_distance: options.ao_distance.map(|v| v as f32),
+                bevel_radius: options.bevel_radius.map(|v| v as f32),
+            };
             for own in self.maps_of_part(part).iter().filter(|note| is_measured(note)) {
-                let error = self.map_error(part, own, scan)?;
+                let error = self.map_error(part, own, &check)?;
                 let same = notes.iter_mut().filter(|note| *note == own);
                 same.for_each(|note| note.error.clone_from(&error));
             }
@@ -335,8 +347,8 @@ impl WrittenAsset {
         Ok(notes)
     }
 
-    fn map_error(&self, part: &Part, note: &MapNote, scan: &Scan) -> Result<Option<MapError>> {
-        let Made { options, .. } = &*self.asset.made;
+    fn map_error(&self, part: &Part, note: &MapNote, check: &MapCheck<'_>) -> Result<Option<MapError>> {
+        let space = self.asset.made.options.space;
         let bitmap = match (&note.file, part.maps.textures.occlusion_texture()) {
             (Some(file), _) => {
                 taotie_io::read_bitmap_within(&self.set.current(file), &Limits::of_own_files())?
@@ -344,23 +356,12 @@ impl WrittenAsset {
             (None, Some(own)) => own.clone(),
             (None, None) => return Ok(None),
         };
-        let is_turned =
-            matches!(note.map, MapKind::Bent | MapKind::Bevel) && options.space == NormalSpace::Tangent;
+        let is_turned = matches!(note.map, MapKind::Bent | MapKind::Bevel) && space == NormalSpace::Tangent;
         let green = if is_turned { self.packing.green } else { GreenChannel::Up };
-        let things = scan.surface().part_count().max(scan.surface().material_names().len());
+        let surface = check.scan.surface();
+        let things = surface.part_count().max(surface.material_names().len());
         let values = StoredValues::of(note, bitmap, (green, things as u32));
-        // The scan may be another than that of the bake.
-        let uvs = (options.matching == MatchRule::Uv).then(|| UvIndex::of(scan.mesh()).map(Arc::new));
-        let cage = part.maps.cage.clone().with_uvs(uvs.transpose()?);
-        let check = MapCheck {
-            low: &part.low.mesh,
-            cage: &cage,
-            scan: scan.sorted(),
-            isolated: options.matching == MatchRule::Isolated,
-            sky_distance: options.ao_distance.map(|v| v as f32),
-            bevel_radius: options.bevel_radius.map(|v| v as f32),
-        };
-        let map = StoredMap { kind: note.map, space: options.space, value: &|uv| values.at(uv) };
+        let map = StoredMap { kind: note.map, space, value: &|uv| values.at(uv) };
         let unit = match note.map.content() {
             MapContent::Direction => "°",
             MapContent::Color => "ΔE00",

@@ -310,7 +310,7 @@ fn triangles_by_tile(mesh: &Mesh, uvs: &[Vec2]) -> (BTreeMap<Place, Vec<usize>>,
     let corners = |t: usize| mesh.triangles()[t].map(|v| uvs[v as usize]);
     let has_area = |t: usize| {
         let [a, b, c] = corners(t);
-        (b.x - a.x) * (c.y - a.y) != (b.y - a.y) * (c.x - a.x)
+        (b - a).cross(c - a) != 0.0
     };
     let (with_area, without): (Vec<usize>, Vec<usize>) =
         (0..mesh.triangles().len()).partition(|t| has_area(*t));

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use taotie_engine::bake::{MapContent, MapKind};
 use taotie_engine::error::{Error, Result, Warnings};
-use taotie_engine::image::{Bitmap, Encoding, Texels};
+use taotie_engine::image::{Bitmap, Encoding, Sampler, TexelFilter, Texels, Texture};
 use taotie_engine::math::srgb::{linear_from_srgb, srgb_from_linear};
 use taotie_engine::math::{Vec2, Vec3};
 use taotie_engine::names::Named;
@@ -372,11 +372,11 @@ impl Meaning {
 
 /// The values of a map that was read from its file.
 pub(in crate::asset) struct StoredValues {
-    bitmap: Bitmap,
+    texture: Texture,
+    /// The meaning of what the texture returns, which is linear.
     meaning: Meaning,
     /// The point that positions are relative to.
     origin: Vec3,
-    /// Whether green is up.
     green: GreenChannel,
     /// The numbers of labels by their colours, if it stores labels.
     labels: BTreeMap<[u8; 3], u32>,
@@ -387,57 +387,36 @@ impl StoredValues {
     pub fn of(note: &MapNote, bitmap: Bitmap, (green, things): (GreenChannel, u32)) -> Self {
         let is_float = matches!(bitmap.texels(), Texels::F32(_));
         let content = note.map.content();
-        let range = || Range { black: note.black.unwrap_or(0.0), white: note.white.unwrap_or(1.0), unit: "" };
+        let (black, white) = (note.black.unwrap_or(0.0), note.white.unwrap_or(1.0));
         let meaning = match content {
             // Of numbers, the note states what codes mean in this file.
-            MapContent::Length => Meaning::Number(range()),
+            MapContent::Length => Meaning::Number(Range { black, white, unit: "" }),
             MapContent::Direction if !is_float => Meaning::Direction,
-            MapContent::Color if !is_float => Meaning::Color,
             _ => Meaning::Plain,
         };
+        let is_coded = content == MapContent::Color && !is_float;
+        let texture = Texture::new(bitmap, if is_coded { Encoding::Srgb } else { Encoding::Linear });
         let labels = match content {
             MapContent::Label => (0..things).map(|number| (label_color(number), number)).collect(),
             _ => BTreeMap::new(),
         };
         let [x, y, z] = note.origin.unwrap_or_default().map(|v| v as f32);
-        Self { bitmap, meaning, origin: Vec3::new(x, y, z), green, labels }
+        Self { texture, meaning, origin: Vec3::new(x, y, z), green, labels }
     }
 
-    /// Returns the value at a uv, beyond the map that of its repetition: interpolated between texels, or that of the nearest one for labels, whose number is
-    /// the first component; −1 for the colour of none.
+    /// Returns the value at a uv, as a renderer filters it; for labels the number of the nearest texel's in all components,
+    /// −1 for the colour of none.
     pub fn at(&self, uv: Vec2) -> Vec3 {
-        let size = [self.bitmap.width(), self.bitmap.height()];
         if !self.labels.is_empty() {
-            let [x, y] = [(uv.x, size[0]), (uv.y, size[1])]
-                .map(|(at, side)| ((at.rem_euclid(1.0) * side as f32) as u32).min(side.saturating_sub(1)));
-            return Vec3::splat(self.label((y * size[0] + x) as usize));
+            let nearest = Sampler { magnify: TexelFilter::Nearest, ..Sampler::BILINEAR };
+            let [r, g, b, _] = nearest.sample(&self.texture, uv, 0.0);
+            let color = [r, g, b].map(|code| (code * 255.0).round() as u8);
+            return Vec3::splat(self.labels.get(&color).map_or(-1.0, |number| *number as f32));
         }
-        let along = |at: f32, side: u32| {
-            let place = (at - 0.5 / side as f32).rem_euclid(1.0) * side as f32;
-            let first = (place as u32).min(side.saturating_sub(1));
-            (first, (first + 1) % side.max(1), place - first as f32)
-        };
-        let ((left, right, x), (top, bottom, y)) = (along(uv.x, size[0]), along(uv.y, size[1]));
-        let texel = |column: u32, row: u32| self.value((row * size[0] + column) as usize);
-        let across = |row: u32| texel(left, row) * (1.0 - x) + texel(right, row) * x;
-        across(top) * (1.0 - y) + across(bottom) * y
-    }
-
-    fn value(&self, texel: usize) -> Vec3 {
-        let [r, g, b, _] = self.bitmap.stored(texel);
+        let [r, g, b, _] = Sampler::BILINEAR.sample(&self.texture, uv, 0.0);
         let [x, y, z] = [r, g, b].map(|code| self.meaning.number(code));
         let y = if self.green == GreenChannel::Down { -y } else { y };
         Vec3::new(x, y, z) + self.origin
-    }
-
-    fn label(&self, texel: usize) -> f32 {
-        let is_float = matches!(self.bitmap.texels(), Texels::F32(_));
-        let [r, g, b, _] = self.bitmap.stored(texel);
-        let code = |v: f32| {
-            let code = if is_float { srgb_from_linear(f64::from(v)) } else { f64::from(v) };
-            (code * 255.0).round() as u8
-        };
-        self.labels.get(&[r, g, b].map(code)).map_or(-1.0, |number| *number as f32)
     }
 }
 

@@ -233,8 +233,7 @@ fn uv_over_area(scene: &Scene, instance: &Instance, uv_set: usize) -> Extremes {
             mesh.corners(triangle).map(|p| instance.world_from_object.transform_point(p.to_f64()));
         let area = (b - a).cross(c - a).length();
         let [p, q, r] = mesh.triangles()[triangle].map(|i| wide(uvs[i as usize]));
-        let (e, f) = (q - p, r - p);
-        let ratio = (e.x * f.y - e.y * f.x).abs() / area;
+        let ratio = (q - p).cross(r - p).abs() / area;
         if ratio.is_finite() {
             sum.take(ratio, ratio);
         }
