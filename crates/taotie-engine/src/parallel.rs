@@ -23,14 +23,6 @@ pub(crate) fn each(count: usize, work: &(dyn Fn(usize) + Sync)) {
     }
 }
 
-/// Calls `work` with each number below `count`, until one call fails.
-///
-/// # Errors
-/// One of the errors of the work.
-pub(crate) fn try_each(count: usize, work: &(dyn Fn(usize) -> Result<()> + Sync)) -> Result<()> {
-    (0..count).into_par_iter().with_max_len(1).try_for_each(work)
-}
-
 /// Calls `work` with the index and elements of each piece of `size` elements; the last one may be shorter.
 pub fn pieces<T: Send>(all: &mut [T], size: usize, work: &(dyn Fn(usize, &mut [T]) + Sync)) {
     let pieces: Vec<Mutex<&mut [T]>> = all.chunks_mut(size.max(1)).map(Mutex::new).collect();
@@ -111,19 +103,18 @@ pub fn first(count: usize, is: impl Fn(usize) -> bool + Sync) -> Option<usize> {
     (lowest < count).then_some(lowest)
 }
 
-/// Returns the value of each number below `count`, for expensive tasks as in [`tasks`], until one fails.
+/// Returns the value of each number below `count`, for expensive tasks as in [`tasks`]. Numbers after one that fails
+/// are skipped.
 ///
 /// # Errors
-/// One of the errors of the work.
+/// That of the first number that fails, however the work is scheduled.
 pub fn try_tasks<T: Send>(count: usize, task: &(dyn Fn(usize) -> Result<T> + Sync)) -> Result<Vec<T>> {
-    let slots: Vec<Mutex<Option<T>>> = (0..count).map(|_| Mutex::new(None)).collect();
-    try_each(count, &|i| {
-        let result = task(i)?;
-        *slots[i].lock().unwrap_or_else(PoisonError::into_inner) = Some(result);
-        Ok(())
-    })?;
-    let results = slots.into_iter().map(|slot| slot.into_inner().unwrap_or_else(PoisonError::into_inner));
-    Ok(results.flatten().collect())
+    let lowest = AtomicUsize::new(count);
+    let results = tasks(count, &|i| {
+        let is_wanted = i <= lowest.load(Ordering::Relaxed);
+        is_wanted.then(|| task(i).inspect_err(|_| _ = lowest.fetch_min(i, Ordering::Relaxed)))
+    });
+    results.into_iter().flatten().collect()
 }
 
 #[cfg(test)]
@@ -167,15 +158,17 @@ mod tests {
     }
 
     #[test]
-    fn an_error_ends_the_loop() {
-        let result = try_each(1000, &|i| if i == 500 { Err(Error::Cancelled) } else { Ok(()) });
-        assert!(matches!(result, Err(Error::Cancelled)));
-    }
-
-    #[test]
-    fn results_of_work_that_may_fail_stand_in_order() {
+    fn the_first_error_is_told_and_numbers_after_it_are_skipped() {
         assert_eq!(try_tasks(3, &|i| Ok(i.to_string())).unwrap(), ["0", "1", "2"]);
-        let result = try_tasks(1000, &|i| if i == 500 { Err(Error::Cancelled) } else { Ok(i) });
-        assert!(matches!(result, Err(Error::Cancelled)));
+        for _ in 0..100 {
+            let result = try_tasks(1000, &|i| if i % 100 == 7 { Err(Error::invalid(i.to_string(), "bad")) } else { Ok(i) });
+            assert!(result.unwrap_err().to_string().starts_with("7:"));
+        }
+        let called = AtomicUsize::new(0);
+        let cancelled = try_tasks(100_000, &|_| {
+            called.fetch_add(1, Ordering::Relaxed);
+            Err::<(), _>(Error::Cancelled)
+        });
+        assert!(matches!(cancelled, Err(Error::Cancelled)) && called.into_inner() < 1000);
     }
 }
