@@ -115,7 +115,7 @@ impl Scan {
     pub(super) fn is_visible(&self, point: Point, direction: Vec3) -> bool {
         let seen = self.seen.get_or_init(|| SeenCells::new(self.mesh(), self.sights.reach()));
         let is_front = self.mesh().faces(point.triangle, direction);
-        let look = |point: Point| self.sights.is_side_visible(self.ground(), point, direction);
+        let look = |point: Point, normal: Vec3| self.sights.is_side_visible(self.ground(), point, normal);
         seen.is_seen(self.mesh(), (point, is_front), look)
     }
 

@@ -100,13 +100,9 @@ impl Sights {
         if is_double { front.or_else(|| self.sight_line_on(ground, point, -normal)) } else { front }
     }
 
-    /// Returns `true` if the side of a point that faces `direction` is visible.
-    pub fn is_side_visible(&self, ground: Ground<'_>, point: Point, direction: Vec3) -> bool {
-        let Some(normal) = facet_normal(ground.surface.mesh().corners(point.triangle as usize)) else {
-            return false;
-        };
-        let side = if normal.dot(direction) < 0.0 { -normal } else { normal };
-        self.sight_line_on(ground, point, side).is_some()
+    /// Returns `true` if a point is visible on the side of `normal`, unit.
+    pub fn is_side_visible(&self, ground: Ground<'_>, point: Point, normal: Vec3) -> bool {
+        self.sight_line_on(ground, point, normal).is_some()
     }
 
     fn far(&self) -> f32 {
@@ -260,11 +256,14 @@ const MOST_CUTS: u32 = 64;
 /// Maximum number of cells of all large triangles; they have none if they need more.
 const MOST_CELLS: usize = 1 << 24;
 
-/// A cache of the visible sides of triangles. Small triangles are one cell, large ones have several: a cell whose centroid
-/// and corners are all visible or all hidden is so as a whole, others are tested point by point.
+/// A cache of the visible sides of triangles. Small triangles are one cell, large ones have several: a cell that is visible
+/// at all corners, or hidden there and at its centroid, is so as a whole; others are tested point by point. Small triangles
+/// share what is known of their vertices.
 pub(super) struct SeenCells {
     /// The known state of small triangles, two bits per side, front first.
     small: Box<[AtomicU8]>,
+    /// The known state of vertices, on the side of their normals and on the other.
+    vertices: Box<[AtomicU8]>,
     /// The large triangles, in order.
     large: Vec<Large>,
     /// The known state of their cells, likewise.
@@ -316,29 +315,62 @@ impl SeenCells {
                 break;
             }
         }
-        Self { small: unknown(mesh.triangles().len()), large, cells: unknown(count), diagonal }
+        let vertices = unknown(mesh.normals().len());
+        Self { small: unknown(mesh.triangles().len()), vertices, large, cells: unknown(count), diagonal }
     }
 
-    /// Returns `true` if the front, or the back, of a point can be seen, by the answers of `look`.
+    /// Returns `true` if the front, or the back, of a point can be seen, by the answers of `look` for points and the unit
+    /// normals of their sides.
     pub fn is_seen(
         &self,
         mesh: &Mesh,
         (point, is_front): (Point, bool),
-        look: impl Fn(Point) -> bool,
+        look: impl Fn(Point, Vec3) -> bool,
     ) -> bool {
-        let shift = if is_front { 0 } else { 2 };
         let triangle = point.triangle;
-        let at = |weights: [f32; 3]| Point { triangle, weights };
-        let answer = |weights: [f32; 3]| if look(at(weights)) { SEEN } else { HIDDEN };
+        let side = || facet_normal(mesh.corners(triangle as usize)).map(|n| if is_front { n } else { -n });
         let is_small = longest_edge(mesh, triangle) <= self.diagonal * LARGE;
         let whole = || Cell { state: &self.small[triangle as usize], corners: WHOLE };
         let cell = if is_small { Some(whole()) } else { self.cell(point) };
-        let Some(Cell { state, corners }) = cell else { return look(point) };
-        let middle = std::array::from_fn(|k| corners.iter().map(|weights| weights[k]).sum::<f32>() / 3.0);
-        let all = || corners.into_iter().fold(answer(middle), |all, weights| all | answer(weights));
-        match remembered(state, shift, all) {
-            MIXED => look(point),
+        let Some(Cell { state, corners }) = cell else { return side().is_some_and(|side| look(point, side)) };
+        let all = || {
+            let Some(side) = side() else { return HIDDEN };
+            let at = |weights: [f32; 3]| Point { triangle, weights };
+            let answer = |weights: [f32; 3]| if look(at(weights), side) { SEEN } else { HIDDEN };
+            let corner = |k: usize| match is_small {
+                true => self.at_vertex(mesh, (at(WHOLE[k]), k), side, &look),
+                false => answer(corners[k]),
+            };
+            let middle = std::array::from_fn(|k| corners.iter().map(|weights| weights[k]).sum::<f32>() / 3.0);
+            match corner(0) | corner(1) | corner(2) {
+                SEEN => SEEN,
+                all => all | answer(middle),
+            }
+        };
+        match remembered(state, if is_front { 0 } else { 2 }, all) {
+            MIXED => side().is_some_and(|side| look(point, side)),
             known => known == SEEN,
+        }
+    }
+
+    /// Returns the state of a triangle's corner on a side: that of its vertex along the vertex's normal, which all triangles
+    /// around share, unless that is steep.
+    fn at_vertex(
+        &self,
+        mesh: &Mesh,
+        (point, corner): (Point, usize),
+        side: Vec3,
+        look: &impl Fn(Point, Vec3) -> bool,
+    ) -> u8 {
+        /// The cosine of 60°.
+        const STEEP: f32 = 0.5;
+        let state = |normal: Vec3| if look(point, normal) { SEEN } else { HIDDEN };
+        let vertex = mesh.triangles()[point.triangle as usize][corner] as usize;
+        let Some(normal) = mesh.normals().get(vertex) else { return state(side) };
+        match normal.dot(side) {
+            cosine if cosine >= STEEP => remembered(&self.vertices[vertex], 0, || state(*normal)),
+            cosine if cosine <= -STEEP => remembered(&self.vertices[vertex], 2, || state(-*normal)),
+            _ => state(side),
         }
     }
 
@@ -429,7 +461,7 @@ mod tests {
         let asked = std::cell::Cell::new(0);
         // The border runs through the middle of a row of cells.
         let border = 0.56;
-        let look = |point: Point| {
+        let look = |point: Point, _: Vec3| {
             asked.set(asked.get() + 1);
             point.weights[1] > border
         };
@@ -442,7 +474,7 @@ mod tests {
         });
         assert_eq!(asked.get(), 0, "what is seen or hidden as a whole is known");
         assert!(
-            memory.is_seen(&mesh, (points(60).next().unwrap(), false), |_| true),
+            memory.is_seen(&mesh, (points(60).next().unwrap(), false), |_, _| true),
             "the back is another side"
         );
     }
@@ -452,12 +484,41 @@ mod tests {
         let mesh = triangle(0.1);
         let memory = SeenCells::new(&mesh, 20.0);
         let corner = Point { triangle: 0, weights: [1.0, 0.0, 0.0] };
-        assert!(memory.is_seen(&mesh, (corner, true), |_| true));
-        assert!(memory.is_seen(&mesh, (corner, true), |_| false), "it is known");
+        assert!(memory.is_seen(&mesh, (corner, true), |_, _| true));
+        assert!(memory.is_seen(&mesh, (corner, true), |_, _| false), "it is known");
         let memory = SeenCells::new(&mesh, 20.0);
         for point in points(20) {
-            let look = |point: Point| point.weights[0] < 0.3;
+            let look = |point: Point, _: Vec3| point.weights[0] < 0.3;
             assert_eq!(memory.is_seen(&mesh, (point, true), look), point.weights[0] < 0.3, "half covered");
+        }
+    }
+
+    #[test]
+    fn small_triangles_share_their_vertices() {
+        let ball = Mesh::sphere(1.0, 64, 32);
+        let memory = SeenCells::new(&ball, 200.0);
+        let asked = std::cell::Cell::new(0);
+        let look = |point: Point, normal: Vec3| {
+            asked.set(asked.get() + 1);
+            assert!((normal - point.position(&ball)).length() < 0.1);
+            true
+        };
+        let third = [1.0 / 3.0; 3];
+        let middles = (0..ball.triangles().len() as u32).map(|triangle| Point { triangle, weights: third });
+        middles.for_each(|middle| assert!(memory.is_seen(&ball, (middle, true), look)));
+        assert!(asked.get() <= ball.positions().len(), "{} looks", asked.get());
+        let hidden = |_: Point, _: Vec3| false;
+        let back = Point { triangle: 9, weights: third };
+        assert!(!memory.is_seen(&ball, (back, false), hidden), "the back is another side");
+    }
+
+    #[test]
+    fn a_triangle_whose_corners_are_hidden_may_be_seen_between() {
+        let mesh = triangle(0.1);
+        let memory = SeenCells::new(&mesh, 20.0);
+        for point in points(20) {
+            let look = |point: Point, _: Vec3| point.weights.iter().all(|weight| *weight > 0.2);
+            assert_eq!(memory.is_seen(&mesh, (point, true), look), look(point, Vec3::default()), "{point:?}");
         }
     }
 }

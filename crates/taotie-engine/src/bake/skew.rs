@@ -7,7 +7,7 @@ use crate::math::{Vec3, scalar};
 use crate::mesh::{Mesh, Point};
 use crate::parallel;
 use crate::surface::{Bends, facet_normal};
-use crate::trace::Bvh;
+use crate::trace::{Bvh, distance_to_triangle};
 use std::fmt;
 use std::sync::Arc;
 
@@ -61,9 +61,11 @@ pub(super) struct FlatFaces {
     of_triangle: Vec<u32>,
     /// `None` for faces that are left as they are.
     faces: Vec<Option<FlatFace>>,
-    /// The borders of the others.
-    borders: Bvh,
-    of_border: Vec<u32>,
+    /// The borders of the others, face by face.
+    borders: Groups<[Vec3; 2]>,
+    /// Those of faces that have many, as a tree, and their faces.
+    many: Bvh,
+    of_many: Vec<u32>,
 }
 
 /// A flat face.
@@ -79,6 +81,8 @@ struct FlatFace {
 const FLAT_DEG: f64 = 0.5;
 /// Faces whose rays deviate less than this are straight already, degrees.
 const STRAIGHT_DEG: f64 = 1.0;
+/// The number of a face's borders up to which measuring all of them is faster than searching a tree.
+const FEW: usize = 12;
 /// The largest tangent of a ray's deviation that widens the band.
 const STEEPEST: f32 = 3.0;
 
@@ -117,12 +121,11 @@ impl Skew {
         });
         let mut borders = bends.borders(&of_triangle);
         borders.retain(|(face, _)| faces[*face].is_some());
-        let of_border = borders.iter().map(|(face, _)| *face as u32).collect();
-        let borders = Bvh::of(borders.len(), |i| {
-            let [a, b] = borders[i].1;
-            [a, b, b]
-        });
-        Self::Faces(Arc::new(FlatFaces { of_triangle, faces, borders, of_border }))
+        let groups = Groups::new(count, || borders.iter().copied());
+        borders.retain(|(face, _)| groups.of(*face).len() > FEW);
+        let of_many = borders.iter().map(|(face, _)| *face as u32).collect();
+        let many = Bvh::of(borders.len(), |i| as_triangle(borders[i].1));
+        Self::Faces(Arc::new(FlatFaces { of_triangle, faces, borders: groups, many, of_many }))
     }
 }
 
@@ -142,11 +145,26 @@ impl FlatFaces {
         let Some((own, face)) = own.and_then(|own| Some((*own, self.faces[*own as usize]?))) else {
             return direction;
         };
-        let is_own = |border: u32| self.of_border[border as usize] == own;
-        let nearest = self.borders.closest_of(point.position(low), face.band, is_own);
-        let x = nearest.map_or(1.0, |nearest| nearest.distance / face.band);
+        let x = (self.distance_to_border(own, point.position(low), face.band) / face.band).min(1.0);
         toward(direction, face.normal, x * x * (3.0 - 2.0 * x))
     }
+
+    /// Returns the distance of a point to the border of a face, model units; any that is larger than `most` if it is
+    /// farther.
+    fn distance_to_border(&self, face: u32, point: Vec3, most: f32) -> f32 {
+        let own = self.borders.of(face as usize);
+        if own.len() <= FEW {
+            let distances = own.iter().map(|border| distance_to_triangle(as_triangle(*border), point));
+            return distances.fold(f32::INFINITY, f32::min);
+        }
+        let is_own = |border: u32| self.of_many[border as usize] == face;
+        self.many.closest_of(point, most, is_own).map_or(f32::INFINITY, |nearest| nearest.distance)
+    }
+}
+
+/// Returns a border as a triangle without area.
+fn as_triangle([a, b]: [Vec3; 2]) -> [Vec3; 3] {
+    [a, b, b]
 }
 
 /// Returns `direction` turned towards `normal` by a fraction.

@@ -1,10 +1,13 @@
 //! Fields, one number per pixel: their summary statistics and their images as heat maps; and planes of numbers in
 //! double precision, convolved by separable kernels.
 
-use super::one_per_pixel;
+use super::{DisplayImage, one_per_pixel};
 use crate::error::{Error, Result};
+use crate::math::{SimdLevel, dispatch_registers};
 use crate::names::Named;
 use crate::parallel;
+use fearless_simd::Level;
+use std::ops::Range;
 
 /// One number for each pixel, row by row from the top; NaN where there is none.
 #[derive(Debug, Clone)]
@@ -62,17 +65,24 @@ impl Field {
     /// Returns the mean and quantiles; `None` if no pixel has a number.
     pub fn summary(&self) -> Option<Summary> {
         let mut numbers: Vec<f32> = self.numbers().collect();
-        let sum = numbers.iter().fold(0.0, |sum, v| sum + f64::from(*v));
+        let mean = self.mean()?;
         numbers.sort_unstable_by(f32::total_cmp);
         let max = f64::from(*numbers.last()?);
         Some(Summary {
             count: numbers.len(),
-            mean: sum / numbers.len() as f64,
+            mean,
             median: quantile(&numbers, 0.5),
             quartiles: [quantile(&numbers, 0.25), quantile(&numbers, 0.75)],
             p95: quantile(&numbers, 0.95),
             max,
         })
+    }
+
+    /// Returns the mean of [`Field::summary`], without its quantiles, which take longer; `None` if no pixel has a number.
+    pub fn mean(&self) -> Option<f64> {
+        let (sum, count) =
+            self.numbers().fold((0.0, 0usize), |(sum, count), v| (sum + f64::from(v), count + 1));
+        (count > 0).then(|| sum / count as f64)
     }
 
     /// Counts the numbers in each of `bins` equal parts of [0, `top`); those at or above `top` fall into the last
@@ -160,74 +170,129 @@ pub fn heat(field: &Field, top: f32, map: ColorMap, nothing: [u8; 3]) -> Vec<[u8
     field.values().iter().map(color).collect()
 }
 
-/// One number for each pixel in double precision, row by row from the top.
+/// One number for each pixel in double precision, row by row from the top. Beyond its sides each row repeats its last
+/// pixels, so that kernels may reach over them.
 pub(super) struct Plane {
-    pub width: usize,
-    pub values: Vec<f64>,
+    height: usize,
+    /// The number of repeated pixels on each side.
+    border: usize,
+    /// The distance between rows in `values`.
+    stride: usize,
+    values: Vec<f64>,
+    level: Level,
 }
 
 impl Plane {
-    /// Makes a plane from one number per pixel.
-    pub fn new<P: Sync>(width: u32, pixels: &[P], number: impl Fn(&P) -> f64 + Sync) -> Self {
-        Self { width: width as usize, values: parallel::collect(pixels.len(), |i| number(&pixels[i])) }
+    /// Makes a plane from one number per pixel, for kernels that reach at most `border` pixels.
+    pub fn new<P: Sync>(
+        (width, border): (u32, usize),
+        pixels: &[P],
+        number: impl Fn(&P) -> f64 + Sync,
+    ) -> Self {
+        let width = width as usize;
+        let (height, stride) =
+            (pixels.len() / width, (width + 2 * border).next_multiple_of(BLOCK) + 2 * BLOCK);
+        let mut values = vec![0.0; stride * height];
+        parallel::pieces(&mut values, stride, &|y, row| {
+            for (i, out) in row.iter_mut().enumerate() {
+                *out = number(&pixels[y * width + i.saturating_sub(border).min(width - 1)]);
+            }
+        });
+        Self { height, border, stride, values, level: SimdLevel::fastest() }
     }
 
-    /// Returns the plane convolved with the kernel `across` along its rows and `down` along its columns, both of odd
-    /// length and applied unmirrored; beyond the border the plane repeats its last pixels.
-    pub fn filtered(&self, across: &[f64], down: &[f64]) -> Plane {
-        self.rows_filtered(across).columns_filtered(down)
+    /// Returns pixels convolved with a kernel of odd length along their columns, applied unmirrored, as a strip for
+    /// [`Plane::across`]. Beyond its first and last row the plane repeats them.
+    pub fn down(&self, pixels: &RowPart, kernel: &[f64]) -> Vec<f64> {
+        self.weighted(pixels, kernel, |at| *block(&self.values, at))
     }
 
-    fn rows_filtered(&self, kernel: &[f64]) -> Plane {
-        let radius = kernel.len() / 2;
-        self.by_rows(|y, out| {
-            let row = &self.values[y * self.width..][..self.width];
-            let mut padded = Vec::with_capacity(self.width + 2 * radius);
-            padded.resize(radius, row[0]);
-            padded.extend_from_slice(row);
-            padded.resize(self.width + 2 * radius, row[self.width - 1]);
-            weighted_sum(out, kernel, |tap| &padded[tap..]);
+    /// Returns, like [`Plane::down`], the product with a plane of the same size and border.
+    pub fn product_down(&self, other: &Self, pixels: &RowPart, kernel: &[f64]) -> Vec<f64> {
+        self.weighted(pixels, kernel, |at| {
+            let (a, b) = (block(&self.values, at), block(&other.values, at));
+            std::array::from_fn(|i| a[i] * b[i])
         })
     }
 
-    fn columns_filtered(&self, kernel: &[f64]) -> Plane {
-        let radius = kernel.len() / 2;
-        let last = self.values.len() / self.width - 1;
-        self.by_rows(|y, out| {
-            let row = |tap: usize| (y + tap).saturating_sub(radius).min(last);
-            weighted_sum(out, kernel, |tap| &self.values[row(tap) * self.width..]);
-        })
+    /// Returns numbers of a strip convolved with a kernel of odd length along the row, applied unmirrored: at least one
+    /// for each of its pixels.
+    pub fn across(&self, strip: &[f64], kernel: &[f64]) -> Vec<f64> {
+        let first = self.border - kernel.len() / 2;
+        let count = strip.len() - (2 * self.border).next_multiple_of(BLOCK);
+        weighted_sums(self.level, (count, kernel), |tap, at| *block(strip, first + tap + at))
     }
 
-    /// Makes a plane of this size by calling `fill` with the index of each row.
-    fn by_rows(&self, fill: impl Fn(usize, &mut [f64]) + Sync) -> Plane {
-        let mut values = vec![0.0f64; self.values.len()];
-        parallel::pieces(&mut values, self.width, &fill);
-        Plane { width: self.width, values }
+    /// Returns the sums down the columns of the numbers that `block` returns for an index of the plane and those after.
+    fn weighted(&self, pixels: &RowPart, kernel: &[f64], block: impl Fn(usize) -> [f64; BLOCK]) -> Vec<f64> {
+        let count = pixels.columns.len().next_multiple_of(BLOCK) + (2 * self.border).next_multiple_of(BLOCK);
+        let row = |tap: usize| (pixels.y + tap).saturating_sub(kernel.len() / 2).min(self.height - 1);
+        weighted_sums(self.level, (count, kernel), |tap, at| {
+            block(row(tap) * self.stride + pixels.columns.start + at)
+        })
     }
 }
 
-/// Number of values of a row that are summed together.
+/// Pixels of one row.
+pub(super) struct RowPart {
+    pub y: usize,
+    pub columns: Range<usize>,
+}
+
+/// Number of values that are summed together.
 const BLOCK: usize = 16;
 
-/// Writes the sum, over all taps of a kernel, of its weight times the row that `from` returns for it.
-fn weighted_sum<'a>(out: &mut [f64], kernel: &[f64], from: impl Fn(usize) -> &'a [f64]) {
-    let mut blocks = out.chunks_exact_mut(BLOCK);
-    let mut at = 0;
-    for block in &mut blocks {
+/// Returns the `BLOCK` numbers from an index on.
+#[inline(always)]
+fn block(values: &[f64], at: usize) -> &[f64; BLOCK] {
+    values[at..at + BLOCK].try_into().expect("a block")
+}
+
+/// Returns `count` sums, a multiple of [`BLOCK`]: the weights of a kernel times the numbers that `block` returns for
+/// each tap and the index of the first sum.
+fn weighted_sums(
+    level: Level,
+    (count, kernel): (usize, &[f64]),
+    block: impl Fn(usize, usize) -> [f64; BLOCK],
+) -> Vec<f64> {
+    let mut all = vec![0.0; count];
+    dispatch_registers!(level, _simd => add_weighted(&mut all, kernel, &block));
+    all
+}
+
+#[inline(always)]
+fn add_weighted(all: &mut [f64], kernel: &[f64], block: &impl Fn(usize, usize) -> [f64; BLOCK]) {
+    for (i, out) in all.chunks_exact_mut(BLOCK).enumerate() {
         let mut sums = [0.0; BLOCK];
         for (tap, weight) in kernel.iter().enumerate() {
-            let values: &[f64; BLOCK] = from(tap)[at..at + BLOCK].try_into().expect("a block");
+            let values = block(tap, i * BLOCK);
             for (sum, value) in sums.iter_mut().zip(values) {
                 *sum += value * weight;
             }
         }
-        block.copy_from_slice(&sums);
-        at += BLOCK;
+        out.copy_from_slice(&sums);
     }
-    for (i, out) in blocks.into_remainder().iter_mut().enumerate() {
-        *out = kernel.iter().enumerate().fold(0.0, |sum, (tap, weight)| sum + from(tap)[at + i] * weight);
-    }
+}
+
+/// Returns, for each row of two images of the same size, the pixels that may differ once both are convolved with kernels
+/// that reach `reach` pixels.
+pub(super) fn blurred_differences([a, b]: [&DisplayImage; 2], reach: usize) -> Vec<RowPart> {
+    let (width, height) = (a.width() as usize, a.height() as usize);
+    let own: Vec<Range<usize>> = parallel::collect(height, |y| {
+        let [a, b] = [a, b].map(|image| &image.pixels()[y * width..][..width]);
+        let differs = |x: &usize| a[*x] != b[*x];
+        let first = (0..width).find(differs).unwrap_or(width);
+        first..(first..width).rfind(differs).map_or(first, |last| last + 1)
+    });
+    let part = |y: usize| {
+        let around = own[y.saturating_sub(reach)..(y + reach + 1).min(height)].iter();
+        let [start, end] = around
+            .filter(|columns| !columns.is_empty())
+            .fold([width, 0], |[start, end], columns| [start.min(columns.start), end.max(columns.end)]);
+        let columns = start.saturating_sub(reach)..(end + reach).min(width);
+        RowPart { y, columns: if end == 0 { 0..0 } else { columns } }
+    };
+    (0..height).map(part).collect()
 }
 
 #[cfg(test)]
@@ -253,14 +318,14 @@ mod tests {
     #[test]
     fn quantiles_are_interpolated() {
         let summary = Field::new(2, 1, vec![3.0, 1.0]).unwrap().summary().unwrap();
-        assert_eq!((summary.median, summary.quartiles), (2.0, [1.5, 2.5]));
+        assert_eq!((summary.mean, summary.median, summary.quartiles), (2.0, 2.0, [1.5, 2.5]));
         assert!((summary.p95 - 2.9).abs() < 1e-12);
     }
 
     #[test]
     fn a_field_without_numbers_has_no_summary() {
         let nothing = Field::new(2, 2, vec![f32::NAN; 4]).unwrap();
-        assert_eq!(nothing.summary(), None);
+        assert_eq!((nothing.summary(), nothing.mean()), (None, None));
         assert_eq!(nothing.histogram(3, 1.0), [0, 0, 0]);
     }
 
@@ -309,12 +374,42 @@ mod tests {
 
     #[test]
     fn kernels_reach_over_the_border_and_keep_their_direction() {
-        let plane = Plane { width: 3, values: vec![1.0, 2.0, 4.0, 10.0, 20.0, 40.0] };
-        let forward = plane.filtered(&[0.0, 0.0, 1.0], &[1.0]);
-        assert_eq!(forward.values, [2.0, 4.0, 4.0, 20.0, 40.0, 40.0]);
-        let downward = plane.filtered(&[1.0], &[0.0, 0.0, 1.0]);
-        assert_eq!(downward.values, [10.0, 20.0, 40.0, 10.0, 20.0, 40.0]);
-        let mean = plane.filtered(&[0.25, 0.5, 0.25], &[0.0, 1.0, 0.0]);
-        assert_eq!(mean.values, [1.25, 2.25, 3.5, 12.5, 22.5, 35.0]);
+        let plane = Plane::new((3, 2), &[1.0, 2.0, 4.0, 10.0, 20.0, 40.0], |v| *v);
+        let filtered = |across: &[f64], down: &[f64]| {
+            let row =
+                |y| plane.across(&plane.down(&RowPart { y, columns: 0..3 }, down), across)[..3].to_vec();
+            [row(0), row(1)].concat()
+        };
+        assert_eq!(filtered(&[0.0, 0.0, 1.0], &[1.0]), [2.0, 4.0, 4.0, 20.0, 40.0, 40.0]);
+        assert_eq!(filtered(&[1.0], &[0.0, 0.0, 1.0]), [10.0, 20.0, 40.0, 10.0, 20.0, 40.0]);
+        assert_eq!(filtered(&[0.25, 0.5, 0.25], &[0.0, 1.0, 0.0]), [1.25, 2.25, 3.5, 12.5, 22.5, 35.0]);
+        assert_eq!(filtered(&[1.0, 0.0, 0.0, 0.0, 0.0], &[1.0]), [1.0, 1.0, 1.0, 10.0, 10.0, 10.0]);
+    }
+
+    #[test]
+    fn any_part_of_a_row_has_the_numbers_of_the_whole() {
+        let value = |i: usize| ((i * 37) % 101) as f64;
+        let plane = Plane::new((70, 4), &(0..70 * 9).map(value).collect::<Vec<_>>(), |v| *v);
+        let kernel = [0.1, -0.4, 0.3, 0.7, 0.2];
+        let row = |columns: Range<usize>| {
+            let part = RowPart { y: 1, columns };
+            let [own, squared] = [plane.down(&part, &kernel), plane.product_down(&plane, &part, &kernel)];
+            [own, squared].map(|strip| plane.across(&strip, &kernel)[..part.columns.len()].to_vec())
+        };
+        let whole = row(0..70);
+        for columns in [0..1, 3..20, 60..70, 17..49, 0..70] {
+            assert_eq!(row(columns.clone()), [0, 1].map(|i| whole[i][columns.clone()].to_vec()));
+        }
+    }
+
+    #[test]
+    fn differences_spread_as_far_as_kernels_reach() {
+        let image = |bright: &[usize]| {
+            let pixels = (0..80).map(|i| if bright.contains(&i) { [1.0; 3] } else { [0.5; 3] });
+            DisplayImage::new(10, 8, pixels.collect()).unwrap()
+        };
+        let parts = blurred_differences([&image(&[]), &image(&[24, 35])], 2);
+        let columns: Vec<_> = parts.into_iter().map(|part| part.columns).collect();
+        assert_eq!(columns, [2..7, 2..8, 2..8, 2..8, 2..8, 3..8, 0..0, 0..0]);
     }
 }

@@ -7,7 +7,7 @@
 
 use super::DisplayImage;
 use super::color::{XYZ_FROM_RGB, lab_from_linear, opponent, product};
-use super::field::{Field, Plane};
+use super::field::{Field, Plane, RowPart, blurred_differences};
 use crate::error::{Error, Result};
 use crate::math::srgb::linear_from_srgb;
 use crate::math::{Vec3, scalar};
@@ -32,28 +32,42 @@ pub fn flip(reference: &DisplayImage, test: &DisplayImage, pixels_per_degree: f3
             "use a value from 1 to 1000; a screen at arm's length has about 67",
         ));
     }
-    let [reference, test] = [reference, test].map(|picture| seen(picture, pixels_per_degree.into()));
+    let eye = Eye::new(pixels_per_degree.into());
+    let width = reference.width() as usize;
+    let parts = blurred_differences([reference, test], eye.border());
+    let [a, b] = [reference, test].map(|image| Opponent::new(image, eye.border()));
     let most = largest_difference();
-    let error = |i: usize| {
-        let (a, b) = (&reference.pixels[i], &test.pixels[i]);
-        if a == b {
-            return 0.0;
+    let mut values = vec![0.0; reference.pixels().len()];
+    parallel::pieces(&mut values, width, &|y, row| {
+        let part = &parts[y];
+        let pixels = eye.seen(&a, part).into_iter().zip(eye.seen(&b, part));
+        for (out, (a, b)) in row[part.columns.clone()].iter_mut().zip(pixels) {
+            if a != b {
+                let difference = redistributed(color_distance(a.lab, b.lab), most);
+                *out = scalar::pow(difference, 1.0 - feature_difference(a.features, b.features)) as f32;
+            }
         }
-        let difference = redistributed(color_distance(a.lab, b.lab), most);
-        scalar::pow(difference, 1.0 - feature_difference(a.features, b.features)) as f32
-    };
-    let values = parallel::collect(reference.pixels.len(), error);
-    Field::new(reference.width, reference.height, values)
+    });
+    Field::new(reference.width(), reference.height(), values)
 }
 
-/// An image as the eye perceives it.
-struct Seen {
-    width: u32,
-    height: u32,
-    pixels: Vec<SeenPixel>,
+/// An image in YCxCz, which is CIELAB without its cube root: §4.1.1.
+struct Opponent {
+    /// The achromatic channel, red to green, blue to yellow.
+    channels: [Plane; 3],
 }
 
-#[derive(Clone, Default, PartialEq)]
+impl Opponent {
+    fn new(image: &DisplayImage, border: usize) -> Self {
+        let decoder = Decoder::new();
+        let colors = parallel::collect(image.pixels().len(), |i| decoder.opponent(image.pixels()[i]));
+        let plane = |channel: fn(&Vec3<f64>) -> f64| Plane::new((image.width(), border), &colors, channel);
+        Self { channels: [plane(|c| c.x), plane(|c| c.y), plane(|c| c.z)] }
+    }
+}
+
+/// A pixel as the eye perceives it.
+#[derive(Clone, PartialEq)]
 struct SeenPixel {
     /// The colour after the eye's blur: L*, and a* and b* after Hunt's effect.
     lab: Vec3<f64>,
@@ -61,33 +75,44 @@ struct SeenPixel {
     features: [f64; 2],
 }
 
-fn seen(picture: &DisplayImage, pixels_per_degree: f64) -> Seen {
-    let decoder = Decoder::new();
-    let opponent = parallel::collect(picture.pixels.len(), |i| decoder.opponent(picture.pixels[i]));
-    let plane = |component: fn(&Vec3<f64>) -> f64| Plane::new(picture.width, &opponent, component);
-    let [achromatic, red_green, blue_yellow] = [plane(|c| c.x), plane(|c| c.y), plane(|c| c.z)];
-    let features = strengths(&plane(|c| (c.x + 16.0) / 116.0), pixels_per_degree);
-    let blurred = blurred([achromatic, red_green, blue_yellow], pixels_per_degree);
-    let lab = perceived(&blurred, picture.width as usize);
-    let pixel = |i: usize| SeenPixel { lab: lab[i], features: features[i] };
-    let pixels = parallel::collect(lab.len(), pixel);
-    Seen { width: picture.width, height: picture.height, pixels }
+/// The eye's filters at a resolution.
+struct Eye {
+    /// The contrast sensitivity of each channel: Gaussians with their share of the sum.
+    sensitivities: [Vec<(f64, Vec<f64>)>; 3],
+    features: Kernels,
 }
 
-/// Returns L*, a* and b* of blurred colours, row by row; equal neighbours, as in a background, are converted once.
-fn perceived(blurred: &[Vec3<f64>], width: usize) -> Vec<Vec3<f64>> {
-    let mut all = vec![Vec3::default(); blurred.len()];
-    parallel::pieces(&mut all, width, &|y, row| {
-        let mut last = None;
-        for (out, color) in row.iter_mut().zip(&blurred[y * width..]) {
-            *out = match last {
-                Some((known, lab)) if known == *color => lab,
-                _ => hunt_lab_from_opponent(*color),
-            };
-            last = Some((*color, *out));
+impl Eye {
+    fn new(pixels_per_degree: f64) -> Self {
+        Self {
+            sensitivities: SENSITIVITIES.map(|sum| gaussians(sum, pixels_per_degree)),
+            features: Kernels::new(0.5 * EDGE_WIDTH * pixels_per_degree),
         }
-    });
-    all
+    }
+
+    /// Returns the number of pixels that the filters reach.
+    fn border(&self) -> usize {
+        self.sensitivities[0][0].1.len().max(self.features.blur.len()) / 2
+    }
+
+    /// Returns pixels of an image as they are perceived.
+    fn seen(&self, image: &Opponent, part: &RowPart) -> Vec<SeenPixel> {
+        if part.columns.is_empty() {
+            return Vec::new();
+        }
+        let features = self.features.strengths(&image.channels[0], part);
+        let [y, cx, cz] = [0, 1, 2].map(|c| blurred(&image.channels[c], part, &self.sensitivities[c]));
+        let mut last = (Vec3::default(), hunt_lab_from_opponent(Vec3::default()));
+        let pixel = |i: usize| {
+            let color = Vec3::new(y[i], cx[i], cz[i]);
+            // Neighbours are often equal.
+            if last.0 != color {
+                last = (color, hunt_lab_from_opponent(color));
+            }
+            SeenPixel { lab: last.1, features: features[i] }
+        };
+        (0..part.columns.len()).map(pixel).collect()
+    }
 }
 
 /// The exponent q_c and the bend (p_c, p_t) of the scale of differences, §4.1.3.
@@ -177,26 +202,24 @@ const SENSITIVITIES: [Sensitivity; 3] = [&[(1.0, 0.0047)], &[(1.0, 0.0053)], &[(
 /// The b of the broadest Gaussian.
 const BROADEST: f64 = 0.04;
 
-/// Returns the blurred channels of YCxCz, each filtered by the contrast sensitivity of the eye: equations 2 to 4.
-fn blurred(channels: [Plane; 3], pixels_per_degree: f64) -> Vec<Vec3<f64>> {
-    let mut channels =
-        channels.iter().zip(SENSITIVITIES).map(|(plane, s)| filtered(plane, s, pixels_per_degree));
-    let [y, cx, cz] = std::array::from_fn(|_| channels.next().expect("there are three"));
-    y.into_iter().zip(cx).zip(cz).map(|((y, cx), cz)| Vec3::new(y, cx, cz)).collect()
-}
-
-/// Each Gaussian separates into rows and columns, so their sum is a weighted sum of separable filters.
-fn filtered(plane: &Plane, sensitivity: Sensitivity, pixels_per_degree: f64) -> Vec<f64> {
-    let kernels: Vec<_> =
-        sensitivity.iter().map(|(a, b)| weighted_gaussian(*a, *b, pixels_per_degree)).collect();
-    let total = kernels.iter().fold(0.0, |sum, (weight, _)| sum + weight);
-    let mut sum = vec![0.0; plane.values.len()];
-    for (weight, kernel) in kernels {
-        for (sum, value) in sum.iter_mut().zip(plane.filtered(&kernel, &kernel).values) {
-            *sum += weight / total * value;
+/// Returns a channel of YCxCz filtered by the contrast sensitivity of the eye, equations 2 to 4. Each Gaussian separates
+/// into rows and columns, so their sum is a weighted sum of separable filters.
+fn blurred(channel: &Plane, part: &RowPart, sensitivity: &[(f64, Vec<f64>)]) -> Vec<f64> {
+    let mut sum = vec![0.0; part.columns.len()];
+    for (share, kernel) in sensitivity {
+        for (sum, value) in sum.iter_mut().zip(channel.across(&channel.down(part, kernel), kernel)) {
+            *sum += share * value;
         }
     }
     sum
+}
+
+/// Returns the Gaussians of a sensitivity with their share of the sum.
+fn gaussians(sensitivity: Sensitivity, pixels_per_degree: f64) -> Vec<(f64, Vec<f64>)> {
+    let weighted: Vec<_> =
+        sensitivity.iter().map(|(a, b)| weighted_gaussian(*a, *b, pixels_per_degree)).collect();
+    let total = weighted.iter().fold(0.0, |sum, (weight, _)| sum + weight);
+    weighted.into_iter().map(|(weight, kernel)| (weight / total, kernel)).collect()
 }
 
 /// Returns the weight of a Gaussian in two dimensions, and the Gaussian in one dimension normalised to a sum of 1.
@@ -213,20 +236,6 @@ fn weighted_gaussian(a: f64, b: f64, pixels_per_degree: f64) -> (f64, Vec<f64>) 
 
 /// The distance from peak to trough of the eye's edge detector, degrees: §4.2.1.
 const EDGE_WIDTH: f64 = 0.082;
-
-/// Returns the strengths at each pixel of edges and points, whose change is immediately visible, of a plane of
-/// lightness with white being 1: the lengths of the gradient and of the vector of second derivatives of the blurred
-/// plane, §4.2.1.
-fn strengths(lightness: &Plane, pixels_per_degree: f64) -> Vec<[f64; 2]> {
-    let kernels = Kernels::new(0.5 * EDGE_WIDTH * pixels_per_degree);
-    let length = |derivative: &[f64]| {
-        let [x, y] = [(derivative, &kernels.blur[..]), (&kernels.blur[..], derivative)]
-            .map(|(across, down)| lightness.filtered(across, down).values);
-        parallel::collect(x.len(), |i| (x[i] * x[i] + y[i] * y[i]).sqrt())
-    };
-    let (edges, points) = (length(&kernels.edge), length(&kernels.point));
-    edges.into_iter().zip(points).map(|(edge, point)| [edge, point]).collect()
-}
 
 /// Returns the difference of features, [0, 1]: §4.2.2 with the exponent q_f = 0.5.
 fn feature_difference(a: [f64; 2], b: [f64; 2]) -> f64 {
@@ -255,6 +264,19 @@ impl Kernels {
             edge: kernel(&|x| -x),
             point: kernel(&|x| x * x / (deviation * deviation) - 1.0),
         }
+    }
+
+    /// Returns the strengths at some pixels of edges and points, whose change is immediately visible: the lengths of the
+    /// gradient and of the vector of second derivatives of the blurred lightness, §4.2.1.
+    fn strengths(&self, achromatic: &Plane, part: &RowPart) -> Vec<[f64; 2]> {
+        let [blur, edge, point] =
+            [&self.blur, &self.edge, &self.point].map(|kernel| achromatic.down(part, kernel));
+        let across = |strip: &[f64], kernel: &[f64]| achromatic.across(strip, kernel);
+        let edges = [across(&blur, &self.edge), across(&edge, &self.blur)];
+        let points = [across(&blur, &self.point), across(&point, &self.blur)];
+        // Lightness is (achromatic + 16) / 116; the sum of a derivative's weights is 0.
+        let length = |[x, y]: &[Vec<f64>; 2], i: usize| (x[i] * x[i] + y[i] * y[i]).sqrt() / 116.0;
+        (0..part.columns.len()).map(|i| [length(&edges, i), length(&points, i)]).collect()
     }
 }
 
@@ -356,15 +378,16 @@ mod tests {
 
     #[test]
     fn a_step_is_an_edge_of_full_strength_and_a_flat_plane_is_none() {
-        let plane = |value: fn(usize) -> f64| Plane {
-            width: 64,
-            values: (0..64 * 3).map(|i| value(i % 64)).collect(),
+        let strengths = |lightness: fn(usize) -> f64| {
+            let pixels: Vec<f64> = (0..64 * 3).map(|i| lightness(i % 64) * 116.0 - 16.0).collect();
+            let kernels = Kernels::new(0.5 * EDGE_WIDTH * 67.0);
+            let plane = Plane::new((64, kernels.blur.len() / 2), &pixels, |v| *v);
+            kernels.strengths(&plane, &RowPart { y: 1, columns: 0..64 })
         };
-        let step = strengths(&plane(|x| if x < 32 { 0.0 } else { 1.0 }), 67.0);
+        let step = strengths(|x| if x < 32 { 0.0 } else { 1.0 });
         let strongest = step.iter().fold(0.0f64, |most, s| most.max(s[0]));
         assert!((0.9..=1.0).contains(&strongest), "{strongest}");
-        let flat = strengths(&plane(|_| 0.7), 67.0);
-        assert!(flat.iter().flatten().all(|v| *v < 1e-14));
+        assert!(strengths(|_| 0.7).iter().flatten().all(|v| *v < 1e-14));
     }
 
     #[test]

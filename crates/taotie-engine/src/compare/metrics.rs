@@ -1,10 +1,11 @@
 //! Metrics of the difference of two images: the root mean square error, the peak signal-to-noise ratio, the
 //! difference of each pixel, and the structural similarity.
 
-use super::field::{Field, Plane};
+use super::field::{Field, Plane, RowPart, blurred_differences};
 use super::{DisplayImage, one_per_pixel};
 use crate::error::{Error, Result};
 use crate::math::scalar;
+use crate::parallel;
 
 /// Returns the root of the mean squared difference over all channels of all pixels, [0, 1].
 ///
@@ -130,29 +131,46 @@ fn similarity(a: &DisplayImage, b: &DisplayImage) -> Result<Vec<f64>> {
         ));
     }
     let is_grey = |picture: &DisplayImage| picture.pixels().iter().all(|[r, g, b]| r == g && g == b);
-    let red = channel_similarity(a, b, 0);
-    let (green, blue) = match is_grey(a) && is_grey(b) {
-        true => (red.clone(), red.clone()),
-        false => (channel_similarity(a, b, 1), channel_similarity(a, b, 2)),
-    };
-    let inside = |i: usize| {
-        let (x, y, radius) = (i as u32 % width, i as u32 / width, SSIM_WINDOW / 2);
-        (radius..width - radius).contains(&x) && (radius..height - radius).contains(&y)
-    };
-    let mean = |i: usize| if inside(i) { (red[i] + green[i] + blue[i]) / 3.0 } else { f64::NAN };
-    Ok((0..red.len()).map(mean).collect())
+    let channels = if is_grey(a) && is_grey(b) { 1 } else { 3 };
+    let planes: Vec<[Plane; 2]> = (0..channels).map(|c| channel([a, b], c)).collect();
+    let (kernel, radius) = (window(), SSIM_WINDOW as usize / 2);
+    let (width, height) = (width as usize, height as usize);
+    let parts = blurred_differences([a, b], radius);
+    let mut values = vec![f64::NAN; width * height];
+    parallel::pieces(&mut values, width, &|y, row| {
+        if !(radius..height - radius).contains(&y) {
+            return;
+        }
+        // Equal windows are alike, whatever they show.
+        row[radius..width - radius].fill(1.0);
+        let columns = parts[y].columns.start.max(radius)..parts[y].columns.end.min(width - radius);
+        if columns.is_empty() {
+            return;
+        }
+        let part = RowPart { y, columns };
+        let found: Vec<Vec<f64>> =
+            planes.iter().map(|pair| channel_similarity(pair, &part, &kernel)).collect();
+        for (i, out) in row[part.columns].iter_mut().enumerate() {
+            *out = found.iter().fold(0.0, |sum, channel| sum + channel[i]) / f64::from(channels);
+        }
+    });
+    Ok(values)
 }
 
-fn channel_similarity(a: &DisplayImage, b: &DisplayImage, channel: usize) -> Vec<f64> {
-    let kernel = window();
-    let pairs: Vec<[f64; 2]> =
-        a.pixels().iter().zip(b.pixels()).map(|(a, b)| [a[channel].into(), b[channel].into()]).collect();
-    let weighted = |product: fn(&[f64; 2]) -> f64| {
-        Plane::new(a.width(), &pairs, product).filtered(&kernel, &kernel).values
-    };
-    let (mean_a, mean_b) = (weighted(|[a, _]| *a), weighted(|[_, b]| *b));
-    let (aa, bb, ab) = (weighted(|[a, _]| a * a), weighted(|[_, b]| b * b), weighted(|[a, b]| a * b));
-    (0..pairs.len()).map(|i| ssim_of_moments(mean_a[i], mean_b[i], [aa[i], bb[i], ab[i]])).collect()
+/// Returns a channel of two images.
+fn channel(images: [&DisplayImage; 2], channel: u8) -> [Plane; 2] {
+    let number = |pixel: &[f32; 3]| f64::from(pixel[usize::from(channel)]);
+    images.map(|image| Plane::new((image.width(), SSIM_WINDOW as usize / 2), image.pixels(), number))
+}
+
+/// Returns the similarity of a channel around each of some pixels, and of others after them.
+fn channel_similarity([a, b]: &[Plane; 2], part: &RowPart, kernel: &[f64]) -> Vec<f64> {
+    let across = |strip: Vec<f64>| a.across(&strip, kernel);
+    let means = [a, b].map(|plane| across(plane.down(part, kernel)));
+    let squares = [(a, a), (b, b), (a, b)].map(|(a, b)| across(a.product_down(b, part, kernel)));
+    let [mean_a, mean_b] = &means;
+    let of = |i: usize| ssim_of_moments(mean_a[i], mean_b[i], [0, 1, 2].map(|k| squares[k][i]));
+    (0..mean_a.len()).map(of).collect()
 }
 
 /// Equation 13 of Wang et al. 2004 from the weighted means of a, b, a², b² and a·b.

@@ -124,6 +124,7 @@ pub(super) fn worst_window(
     if known.is_empty() {
         return None;
     }
+    let positions: Vec<Vec3> = known.iter().map(|(position, ..)| *position).collect();
     let (windows, held) = (WINDOWS.min(known.len()), ((known.len() as f64 * share) as usize).max(1));
     let window = |i: usize| {
         // Half of the windows are around the worst samples of as many equal parts, half around their first.
@@ -131,20 +132,36 @@ pub(super) fn worst_window(
         let end = ((i / 2 + 1) * known.len() / windows.div_ceil(2)).max(part + 1).min(known.len());
         let worst = (part..end).fold(part, |best, k| if known[k].2 > known[best].2 { k } else { best });
         let (center, toward, _) = known[if i.is_multiple_of(2) { worst } else { part }];
-        let mut squared: Vec<(f32, f32)> = known
-            .iter()
-            .map(|(position, _, value)| {
-                let away = *position - center;
-                (away.dot(away), *value)
-            })
-            .collect();
-        squared.select_nth_unstable_by(held - 1, |a, b| a.0.total_cmp(&b.0));
-        let radius = squared[held - 1].0.sqrt();
-        let mean = squared[..held].iter().map(|(_, value)| f64::from(*value)).sum::<f64>() / held as f64;
+        let near = nearest(&positions, center, held);
+        let radius = near.iter().fold(0.0, |most, (squared, _)| squared.max(most)).sqrt();
+        let mean = near.iter().map(|(_, k)| f64::from(known[*k].2)).sum::<f64>() / held as f64;
         Ball { center, radius, toward, mean }
     };
     let all = parallel::tasks(windows, &window);
     all.into_iter().reduce(|worst, next| if next.mean > worst.mean { next } else { worst })
+}
+
+/// Returns the `count` positions nearest to a centre by their indices, each after its squared distance, in any order.
+fn nearest(positions: &[Vec3], center: Vec3, count: usize) -> Vec<(f32, usize)> {
+    /// One in so many positions tells how far about the nearest reach.
+    const STRIDE: usize = 16;
+    let squared = |position: &Vec3| (*position - center).dot(*position - center);
+    let squared: Vec<f32> = positions.iter().map(squared).collect();
+    let within = |limit: f32| -> Vec<(f32, usize)> {
+        squared.iter().copied().zip(0..).filter(|(squared, _)| *squared <= limit).collect()
+    };
+    let mut some: Vec<f32> = squared.iter().step_by(STRIDE).copied().collect();
+    let rank = count / STRIDE * 2 + 8;
+    let mut near = Vec::new();
+    if rank < some.len() {
+        near = within(*some.select_nth_unstable_by(rank, f32::total_cmp).1);
+    }
+    if near.len() < count {
+        near = squared.into_iter().zip(0..).collect();
+    }
+    near.select_nth_unstable_by(count - 1, |a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    near.truncate(count);
+    near
 }
 
 /// Returns the samples at points spread evenly over the part of a surface inside a window.

@@ -136,7 +136,7 @@ fn lost_detail(field: &Field) -> Result<View> {
 
 /// Builds the view that shows how much the removal of noise changed the scan; `None` if none was removed.
 fn removed_noise(maps: &[Field]) -> Result<Option<View>> {
-    let means = maps.iter().filter_map(|field| Some(field.summary()?.mean));
+    let means = maps.iter().filter_map(Field::mean);
     let top = top_over(means.fold(0.0, f64::max));
     let pictures = maps.iter().zip(["front", "back"]).map(|(field, side)| {
         let heat = HeatMap { field, title: "removed noise", unit: "°", map: ColorMap::Viridis, top };

@@ -186,7 +186,7 @@ fn compared(scan: Vec<DisplayImage>, asset: Vec<DisplayImage>, progress: Progres
         views.figures.push(ViewFigures {
             azimuth_deg: azimuth(i),
             elevation_deg: ELEVATIONS[i % 2],
-            flip: flip.summary().map_or(0.0, |summary| summary.mean),
+            flip: flip.mean().unwrap_or(0.0),
             ssim: compare::ssim(a, b)?,
         });
         views.flip.push(flip);
@@ -450,7 +450,7 @@ impl PartView {
 /// # Errors
 /// Those of [`compare::flip`].
 fn mean_flip(scan: &DisplayImage, asset: &DisplayImage) -> Result<f64> {
-    Ok(compare::flip(scan, asset, PIXELS_PER_DEGREE)?.summary().map_or(0.0, |flip| flip.mean))
+    Ok(compare::flip(scan, asset, PIXELS_PER_DEGREE)?.mean().unwrap_or(0.0))
 }
 
 #[cfg(test)]
