@@ -49,13 +49,12 @@ fn samples(low: &Mesh, scan: &Scan) -> Result<Vec<Sample>> {
     let point = sample_area(mesh, count)?;
     let width = (mesh.area(&Mat4::IDENTITY) / count as f64).sqrt() as f32;
     let tree = Bvh::of(low.triangles().len(), |t| low.corners(t));
+    let facets = parallel::collect(low.triangles().len(), |t| facet_normal(low.corners(t)));
     let reach = (low.diagonal() * REACH) as f32;
     let sample = |i: usize| {
         let at = point(i);
         let normal = surface.normal(LookupPoint { point: at, width }, at.normal(mesh)).normal;
-        let faces = |t: u32| {
-            facet_normal(low.corners(t as usize)).is_some_and(|facet| facet.dot(normal) >= LEAST_COSINE)
-        };
+        let faces = |t: u32| facets[t as usize].is_some_and(|facet| facet.dot(normal) >= LEAST_COSINE);
         let closest = tree.closest_of(at.position(mesh), reach, faces)?;
         scan.is_seen_from_anywhere(at).then(|| Sample { at: closest.point(), normal })
     };
