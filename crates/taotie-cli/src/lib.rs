@@ -127,7 +127,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
 
 /// Like [`run`], but returns the exit code for the process.
 pub fn exit_code(args: impl IntoIterator<Item = OsString>) -> u8 {
-    let matches = with_renamed_options(Cli::command()).try_get_matches_from(args);
+    let matches = with_renamed_options(Cli::command()).try_get_matches_from(with_help_last(args));
     let cli = match matches.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
         Err(error) => {
@@ -177,6 +177,16 @@ pub fn exit_code(args: impl IntoIterator<Item = OsString>) -> u8 {
     }
 }
 
+/// Returns the arguments with `help` as an option: `taotie help bake` is `taotie bake --help`.
+fn with_help_last(args: impl IntoIterator<Item = OsString>) -> Vec<OsString> {
+    let mut args: Vec<OsString> = args.into_iter().collect();
+    if args.get(1).is_some_and(|first| first == "help") {
+        args.remove(1);
+        args.push("--help".into());
+    }
+    args
+}
+
 /// Options of `bake` in earlier versions, and what replaces each: using one is an error that states its replacement.
 const OPTIONS_OF_BAKE: [(&str, &str); 6] = [
     ("for", "--preset"),
@@ -187,9 +197,18 @@ const OPTIONS_OF_BAKE: [(&str, &str); 6] = [
     ("uastc-rdo", "--images ktx2:LAMBDA"),
 ];
 
-/// Adds earlier options to the command, hidden from help and completions.
+/// Adds earlier options to the command, hidden from help and completions. Negative numbers are values for every option, so
+/// that errors state the accepted range.
 fn with_renamed_options(command: clap::Command) -> clap::Command {
     command
+        .mut_subcommands(|command| {
+            command.mut_args(|arg| {
+                match arg.get_action().takes_values() && !arg.is_allow_hyphen_values_set() {
+                    true => arg.allow_negative_numbers(true),
+                    false => arg,
+                }
+            })
+        })
         .mut_subcommand("bake", |bake| bake.args(OPTIONS_OF_BAKE.iter().map(|(old, new)| renamed(old, new))))
 }
 

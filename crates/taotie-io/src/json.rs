@@ -57,6 +57,9 @@ pub(super) fn broken(path: &Path, error: &serde_json::Error) -> Error {
     let text = error.to_string();
     let said = text.split(" at line ").next().unwrap_or_default();
     let what = match error.classify() {
+        Category::Eof if error.column() == 0 && error.line() <= 1 => {
+            "the file is empty: download or re-export it".to_owned()
+        }
         Category::Eof => "unexpected end of JSON: the file is truncated; download or re-export it".to_owned(),
         Category::Syntax => format!("not valid JSON ({said}): fix the file or re-export it"),
         Category::Data | Category::Io => format!("{said}; fix the file or re-export it"),

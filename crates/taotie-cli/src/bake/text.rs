@@ -54,6 +54,9 @@ pub fn of(report: &Report) -> String {
             table.row(["not compared".into(), unseen.join("; ")]);
         }
         table.row(["bytes".into(), format!("{} in, {} out", figures.bytes_in, figures.bytes_out)]);
+    } else {
+        // There is no report file that states them.
+        map_ranges(report).into_iter().for_each(|row| table.row(row));
     }
     let required = report.required().iter().map(|met| requirement(met, &report.triangles));
     required.for_each(|line| table.row(["required".into(), line]));
@@ -210,7 +213,9 @@ fn on_surface(level: &LevelFigures, bake: Option<&BakeFigures>, table: &mut Tabl
     if let Some(angles) = &level.surface_angles {
         table.row(["normal error on the surface".into(), summary_text(angles, 3, "°")]);
     }
-    if let Some([floor, _]) = bake.and_then(|bake| bake.floor_8_bit) {
+    let mean = level.surface_angles.as_ref().map_or(0.0, |angles| angles.mean);
+    // It is that of directions spread evenly, which the normals of a flat asset are not.
+    if let Some([floor, _]) = bake.and_then(|bake| bake.floor_8_bit).filter(|[floor, _]| *floor <= mean) {
         table.row([String::new(), format!("8-bit storage of normals accounts for {floor}° on average")]);
     }
     if let Some(plain) = &level.without_map {
@@ -288,6 +293,19 @@ fn levels(figures: &Figures, table: &mut Table) {
     for (level, figures) in figures.levels.iter().enumerate().skip(1) {
         table.row([format!("level {level}"), of_level(figures)]);
     }
+}
+
+/// Describes what black and white mean in the maps that store numbers in a range.
+fn map_ranges(report: &Report) -> Vec<[String; 2]> {
+    let ranges = report.maps.iter().filter_map(|note| {
+        let (black, white) = (note.black?, note.white?);
+        let material = note.material.as_ref().map_or(String::new(), |material| format!(" of {material}"));
+        let unit = if note.unit.is_empty() { String::new() } else { format!(" {}", note.unit) };
+        let origin = note.origin.map_or(String::new(), |[x, y, z]| format!(", from ({x}, {y}, {z})"));
+        let name = note.map.name();
+        Some([format!("range of {name}{material}"), format!("black is {black}, white {white}{unit}{origin}")])
+    });
+    ranges.collect()
 }
 
 /// Describes the errors of maps that no other figure covers.

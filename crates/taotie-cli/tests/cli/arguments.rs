@@ -567,3 +567,27 @@ taotie: error: a.png: No such file or directory (os error 2)
 "#]],
     );
 }
+
+#[test]
+fn negative_numbers_are_values_of_any_option() {
+    let place = Place::with("a.obj", TRIANGLE);
+    for (line, words) in [
+        ("bake a.obj -o b.glb --error -1", "--error"),
+        ("photometric a.lp -o b --pixel-size -1", "--pixel-size"),
+    ] {
+        let assert = place.taotie(line).assert().code(2);
+        let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
+        assert!(said.contains(words) && !said.contains("unexpected argument"), "{line}: {said}");
+    }
+}
+
+#[test]
+fn empty_files_are_called_empty() {
+    let place = Place::with("a.glb", "");
+    place.write("b.png", "");
+    for line in ["inspect a.glb", "render a.glb -o c.png", "diff b.png b.png"] {
+        let assert = place.taotie(line).assert().code(2);
+        let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
+        assert!(said.contains("empty"), "{line}: {said}");
+    }
+}

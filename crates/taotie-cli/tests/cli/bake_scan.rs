@@ -2,6 +2,7 @@
 
 use super::bake::number;
 use super::balls::SCAN;
+use super::models::square_json;
 use super::place::Place;
 use serde_json::Value;
 use std::fmt::Write;
@@ -208,5 +209,46 @@ fn remeshing_needs_a_scan_to_make_the_mesh_from() {
         let assert = place.taotie(line).assert().code(2);
         let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
         assert!(said.contains(words), "{line}: {said}");
+    }
+}
+
+/// Returns a sphere of radius 1 as OBJ, moved along x.
+fn sphere_at(x: f64) -> String {
+    let ball = Mesh::sphere(1.0, 32, 16);
+    let position = |p: &Vec3| format!("v {} {} {}\n", f64::from(p.x) + x, p.y, p.z);
+    let corners = |t: &[u32; 3]| format!("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
+    let positions: String = ball.positions().iter().map(position).collect();
+    positions + &ball.triangles().iter().map(corners).collect::<String>()
+}
+
+#[test]
+fn coordinates_far_from_the_origin_are_told_or_refused() {
+    let place = Place::with("near.obj", sphere_at(0.0));
+    place.write("away.obj", sphere_at(2000.0));
+    place.write("far.obj", sphere_at(4_500_000.0));
+    let bake =
+        |name: &str| place.taotie(&format!("bake {name}.obj -o {name}.glb --triangles 200 --size 64 --json"));
+    let said = |name: &str| {
+        let output = bake(name).output().unwrap();
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let (code, told) = said("away");
+    assert_eq!(code, Some(0), "{told}");
+    assert!(told.contains("too far from the origin") && told.contains("such as (2000, 0, 0)"), "{told}");
+    assert!(!told.contains("interior") && !told.contains("cannot be seen"), "{told}");
+    let (code, told) = said("far");
+    assert_eq!(code, Some(2));
+    assert!(told.contains("far.obj") && told.contains("such as (4500000, 0, 0)"), "{told}");
+    assert!(!said("near").1.contains("origin"));
+}
+
+#[test]
+fn a_quad_keeps_both_of_its_triangles() {
+    let place = Place::with("a.gltf", square_json().to_string());
+    for options in ["", "--preset web", "--require standard"] {
+        let report = place.json(&format!("bake a.gltf -o b.glb --json {options}"));
+        let covered = &report["proof"]["levels"][0]["coverage"];
+        assert_eq!(covered["completeness"], 1.0, "{options}: {covered}");
+        assert_eq!(place.json("inspect b.glb --json")["counts"]["triangles"], 2, "{options}");
     }
 }

@@ -98,3 +98,12 @@ fn every_subcommand_has_a_manual_page() {
         assert!(page.contains(part), "{part} is missing from {page}");
     }
 }
+
+#[test]
+fn help_may_come_first() {
+    let place = Place::new();
+    let said = |line: &str| place.taotie(line).output().expect("the command runs").stdout;
+    assert_eq!(said("help bake"), said("bake --help"));
+    assert_eq!(said("help"), said("--help"));
+    place.taotie("help origami").assert().code(2);
+}

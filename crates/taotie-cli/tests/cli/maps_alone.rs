@@ -49,6 +49,22 @@ fn the_map_is_that_of_a_model_and_measured_alike() {
     );
 }
 
+#[test]
+fn the_first_requested_map_is_the_file_itself() {
+    let place = scan_and_low();
+    let report = baked(&place, "-o out.png --maps height,ao --no-verify");
+    let file = |map: &str| {
+        let maps = report["maps"].as_array().expect("it is a list");
+        maps.iter().find(|note| note["map"] == map).map(|note| note["file"].clone())
+    };
+    assert_eq!((file("height"), file("ao")), (Some(json!("out.png")), Some(json!("out.ao.png"))));
+    let told =
+        place.taotie(&format!("{LINE} -o told.png --maps height --no-verify")).output().expect("it runs");
+    let told = String::from_utf8_lossy(&told.stdout).into_owned();
+    assert!(told.contains("range of height  black is ") && told.contains("model units"), "{told}");
+    assert_eq!(read_bitmap(&place.path("out.png")).expect("it is a picture").channels(), 1);
+}
+
 /// Returns the mean angle on the surface.
 fn surface_mean(report: &Value) -> f64 {
     report["proof"]["levels"][0]["surface_angles"]["mean"].as_f64().expect("it is measured")

@@ -15,7 +15,7 @@ const DIRECTIONS: usize = 256;
 const POINTS: usize = 2_000;
 /// If a smaller share of the surface is visible from outside, it may be the inside of something.
 const LEAST_OUTSIDE: f64 = 0.5;
-/// Rays start this fraction of the diagonal above the surface.
+/// Rays start this fraction of the diagonal above the surface, or farther if positions are rounded more coarsely.
 const OFFSET: f32 = 1e-5;
 
 /// A surface, indexed for rays.
@@ -33,6 +33,8 @@ pub(super) struct Sights {
     places: Vec<Vec3>,
     /// The surface's diagonal, model units.
     diagonal: f32,
+    /// The height above the surface at which rays start, model units.
+    offset: f32,
     /// `true` if only rendered surfaces hide anything: not the backs of materials that are not double-sided.
     is_drawn: bool,
 }
@@ -54,8 +56,10 @@ impl Sights {
 
     /// Determines if a surface is seen from outside or from within.
     pub fn of(ground: Ground<'_>) -> Self {
-        let diagonal = ground.surface.mesh().diagonal() as f32;
-        let outside = Self { directions: sphere_directions(DIRECTIONS), diagonal, ..Self::default() };
+        let mesh = ground.surface.mesh();
+        let diagonal = mesh.diagonal() as f32;
+        let offset = (diagonal * OFFSET).max(mesh.rounding());
+        let outside = Self { directions: sphere_directions(DIRECTIONS), diagonal, offset, ..Self::default() };
         let share = outside.visible_share(ground);
         if share >= LEAST_OUTSIDE {
             return outside;
@@ -111,7 +115,7 @@ impl Sights {
 
     /// Returns the line closest to `normal` on the normal's side of the facet.
     fn sight_line_on(&self, ground: Ground<'_>, point: Point, normal: Vec3) -> Option<SightLine> {
-        let start = point.position(ground.surface.mesh()) + normal * (self.diagonal * OFFSET);
+        let start = point.position(ground.surface.mesh()) + normal * self.offset;
         match self.places.is_empty() {
             true => self.line_outward(ground, start, normal),
             false => self.line_to_place(ground, start, normal),

@@ -181,6 +181,12 @@ impl Mesh {
         (b - a).cross(c - a).dot(toward) > 0.0
     }
 
+    /// Returns a bound of the rounding of positions and of distances from them in single precision, model units.
+    pub fn rounding(&self) -> f32 {
+        let coordinates = self.data.positions.iter().flat_map(|p| p.to_array());
+        coordinates.fold(0.0f32, |most, v| most.max(v.abs())) * 1e-6
+    }
+
     /// The length of the diagonal of the bounding box of all positions; 0 if there are none.
     pub fn diagonal(&self) -> f64 {
         let positions = || self.data.positions.iter().map(|p| p.to_f64());

@@ -11,7 +11,7 @@ use crate::surface::facet_normal;
 /// A surface farther along the line of sight than this fraction of the diagonal is another part of the object.
 const SAME_PART: f32 = 0.02;
 /// A surface within this fraction of the diagonal of a line of sight that misses it belongs to an outline.
-const OUTLINE: f32 = 0.005;
+pub(super) const OUTLINE: f32 = 0.005;
 /// The cosine to the viewer below which that surface is turned away, as with reversed winding.
 const AWAY: f32 = -0.5;
 /// Minimum number of pixels across the object: edges of modelled shapes may be as long as the object, and carry no

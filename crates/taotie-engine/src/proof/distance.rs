@@ -23,8 +23,6 @@ const MOST_NEAR: usize = 768;
 const MOST_CUTS: u32 = 3;
 /// Maximum number of pieces of triangles examined; beyond it the upper bound is wider than requested.
 const MOST_PIECES: usize = 4_000_000;
-/// Rounding of distances in single precision, as a fraction of the largest coordinate.
-const ROUNDING: f32 = 1e-6;
 /// Hidden pieces no larger than this fraction of the surface's diagonal are skipped as a whole.
 const HIDDEN_PIECE: f32 = 0.01;
 
@@ -96,7 +94,7 @@ impl DistanceBounds {
 /// over a piece of a triangle it is at most that of its centroid plus the piece's radius, and at most the largest of
 /// its corners from any one triangle. Pieces that may have a larger distance than found so far are split into four.
 pub fn distance_bounds(from: Source<'_>, to: &Scan, width: f32) -> DistanceBounds {
-    let slack = rounding(from.side.surface.mesh()).max(rounding(to.mesh()));
+    let slack = from.side.surface.mesh().rounding().max(to.mesh().rounding());
     let width = width.max(slack);
     let hidden_piece = HIDDEN_PIECE * from.side.surface.mesh().diagonal() as f32;
     let (lower, upper) = (from.known, from.known);
@@ -372,10 +370,4 @@ fn farthest(points: [Vec3; 3], triangle: [Vec3; 3], least: f32) -> f32 {
         }
     }
     most
-}
-
-/// Returns the rounding of positions on a mesh and of distances from it, in model units.
-pub(super) fn rounding(mesh: &Mesh) -> f32 {
-    let coordinates = mesh.positions().iter().flat_map(|p| p.to_array());
-    coordinates.fold(0.0f32, |most, v| most.max(v.abs())) * ROUNDING
 }

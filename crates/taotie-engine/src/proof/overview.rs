@@ -1,6 +1,7 @@
 //! Compares scan and asset as seen: the same pixels of both, from all sides; and repeats views of a surface with
 //! different images in its textures.
 
+use super::close_up::OUTLINE;
 use super::statistics::Estimate;
 use super::{Look, Pair, Sample, Side};
 use crate::bake::{LookupPoint, Retextured, sphere_directions};
@@ -78,7 +79,7 @@ impl Picture {
 /// # Errors
 /// As [`Estimate::of`].
 pub fn overview(pair: &Pair<'_>, picture: Picture) -> Result<Overview> {
-    let PixelDifferences { angles, colors } = pixel_differences(pair, picture);
+    let PixelDifferences { angles, colors, .. } = pixel_differences(pair, picture);
     let (pixels, across) = (angles.len(), picture.across);
     Ok(Overview { angles: Estimate::of(&angles)?, color: Estimate::of(&colors)?, pixels, across })
 }
@@ -90,6 +91,8 @@ pub struct PixelDifferences {
     pub angles: Vec<f32>,
     /// CIEDE2000 between the mean base colours, of the pixels that have any; empty if colours are not compared.
     pub colors: Vec<f32>,
+    /// The share of the pixels with the scan in which nothing of the asset is seen or near, [0, 1].
+    pub missing: f64,
 }
 
 impl PixelDifferences {
@@ -106,10 +109,31 @@ impl PixelDifferences {
 pub fn pixel_differences(pair: &Pair<'_>, picture: Picture) -> PixelDifferences {
     let pixels = Pixels::of(pair, picture);
     let probe = |i: usize| difference(pair, &pixels.number(i));
-    let found: Vec<Option<(f32, f32)>> = parallel::collect(picture.count, probe);
-    let (angles, mut colors): (Vec<f32>, Vec<f32>) = found.into_iter().flatten().unzip();
+    let found: Vec<Compared> = parallel::collect(picture.count, probe);
+    let missing = found.iter().filter(|pixel| matches!(pixel, Compared::Missing)).count();
+    let (angles, mut colors): (Vec<f32>, Vec<f32>) =
+        found.into_iter().filter_map(Compared::differences).unzip();
     colors.retain(|difference| !difference.is_nan());
-    PixelDifferences { angles, colors }
+    let missing = missing as f64 / (missing + angles.len()).max(1) as f64;
+    PixelDifferences { angles, colors, missing }
+}
+
+/// The comparison of a pixel.
+#[derive(Clone, Default)]
+enum Compared {
+    /// One of its samples sees nothing, or it shows an outline.
+    #[default]
+    Outline,
+    /// The scan, and nothing of the asset is seen or near.
+    Missing,
+    /// The differences of angle and colour.
+    Both(f32, f32),
+}
+
+impl Compared {
+    fn differences(self) -> Option<(f32, f32)> {
+        if let Self::Both(angle, color) = self { Some((angle, color)) } else { None }
+    }
 }
 
 /// Returns the samples of those random pixels that see a surface throughout, away from outlines.
@@ -150,13 +174,29 @@ impl Pixels {
     }
 }
 
-/// Returns the differences of angle and colour at a pixel; `None` unless all of its samples see both surfaces, away
-/// from outlines.
-fn difference(pair: &Pair<'_>, pixel: &Pixel) -> Option<(f32, f32)> {
-    let scan = pixel.look(pair.scan, pair.has_material)?;
-    let asset = pixel.look(pair.asset, pair.has_material)?;
-    let color = if pair.has_material { scan.color_difference(&asset) } else { f32::NAN };
-    Some((scan.angle_deg(&asset), color))
+/// Compares a pixel. It shows both surfaces if all of its samples see both, away from outlines.
+fn difference(pair: &Pair<'_>, pixel: &Pixel) -> Compared {
+    let Some(samples) = pixel.samples(pair.scan) else { return Compared::Outline };
+    match pixel.samples(pair.asset) {
+        Some(of_asset) => {
+            let scan = look(pair.scan, samples, pair.has_material);
+            let asset = look(pair.asset, of_asset, pair.has_material);
+            let color = if pair.has_material { scan.color_difference(&asset) } else { f32::NAN };
+            Compared::Both(scan.angle_deg(&asset), color)
+        }
+        None => {
+            let at = samples[0].at.point.position(pair.scan.surface.mesh());
+            let near = pair.asset.surface.bvh().closest(at, pair.diagonal * OUTLINE);
+            near.map_or(Compared::Missing, |_| Compared::Outline)
+        }
+    }
+}
+
+/// Returns the look of a pixel at a surface.
+fn look(side: &Side<'_>, samples: Vec<Sample>, reads_material: bool) -> Look {
+    let mut look = Look::default();
+    samples.into_iter().for_each(|sample| look.add(side.surface, sample, reads_material));
+    look
 }
 
 /// The position of a viewer.
@@ -220,13 +260,6 @@ struct Pixel {
 }
 
 impl Pixel {
-    /// Returns the pixel's look at a surface; `None` if a sample sees nothing, or if it shows an outline.
-    fn look(&self, side: &Side<'_>, reads_material: bool) -> Option<Look> {
-        let mut look = Look::default();
-        self.samples(side)?.into_iter().for_each(|sample| look.add(side.surface, sample, reads_material));
-        Some(look)
-    }
-
     /// Returns the points that its samples see; `None` if one sees nothing, or if the pixel shows an outline.
     fn samples(&self, side: &Side<'_>) -> Option<Vec<Sample>> {
         let count = self.samples;

@@ -1,7 +1,6 @@
 //! Outlines of scan and asset from all sides.
 
 use super::Pair;
-use super::distance::rounding;
 use super::overview::{SIDE, VIEWS, View};
 use crate::bake::{Scan, sphere_directions};
 use crate::math::Vec3;
@@ -72,7 +71,7 @@ impl<'a> Shape<'a> {
         if !is_double_sided.contains(&true) {
             is_double_sided.clear();
         }
-        Self { surface, is_double_sided, slack: rounding(mesh) }
+        Self { surface, is_double_sided, slack: mesh.rounding() }
     }
 }
 

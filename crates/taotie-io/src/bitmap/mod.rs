@@ -80,6 +80,9 @@ pub(super) fn decode_within(bytes: &[u8], name: &str, path: &Path, reading: &Rea
     if dds::is_dds(bytes) {
         return dds::decode(bytes, reading).map_err(|failure| failure.into_error(path, at()));
     }
+    if bytes.is_empty() {
+        return Err(Error::parse(path, at(), "the image is empty: save it again, or remove it"));
+    }
     let format = format.ok_or_else(|| {
         Error::unsupported(
             format!("{}: the image format of '{name}'", path.display()),

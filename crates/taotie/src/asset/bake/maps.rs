@@ -122,8 +122,8 @@ pub struct Textures {
     pub separate: Vec<SeparateMap>,
     /// The places where projection rays missed; `None` if none did.
     pub misses: Option<Misses>,
-    /// The maps that are stored in the textures above.
-    stored: Maps,
+    /// The requested maps in their order, without those that others replace.
+    pub(in crate::asset) stored: Vec<MapKind>,
 }
 
 /// The channels in use of an occlusion, roughness and metallic texture.
@@ -224,14 +224,13 @@ impl Textures {
             (MapKind::Alpha, self.color.as_ref()),
             (MapKind::OcclusionMap, self.occlusion_texture()),
         ];
-        let stored = self.stored;
-        let inside = maps.into_iter().filter(move |(map, _)| stored.has(*map));
+        let inside = maps.into_iter().filter(|(map, _)| self.stored.contains(map));
         inside.filter_map(|(map, bitmap)| Some((map, bitmap?)))
     }
 }
 
-/// Returns the maps stored in textures of an asset. Ray-traced occlusion overrides that of a texture.
-fn stored(options: &BakeOptions) -> Maps {
+/// Returns the maps to store, in the order of the request. Ray-traced occlusion overrides that of a texture.
+fn stored(options: &BakeOptions) -> Vec<MapKind> {
     let rays = options.bakes(&[MapKind::Occlusion]);
     options.maps.iter().copied().filter(|map| !(rays && *map == MapKind::OcclusionMap)).collect()
 }

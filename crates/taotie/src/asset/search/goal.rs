@@ -12,6 +12,10 @@ const PATCH: f64 = 0.01;
 const P95_OF_MEAN: f64 = 2.5;
 const PATCH_OF_MEAN: f64 = 6.0;
 
+/// The maximum share of the scan that an asset may lack if no requirement states it; thin parts are lost at coarse levels
+/// of detail.
+const MISSING: f64 = 0.01;
+
 /// The lower bound of limits, so that they can be divisors.
 const LEAST: f64 = 1e-6;
 /// The figures that limit angles, and those that limit colours.
@@ -32,6 +36,8 @@ pub(super) struct Goal {
     colors: Vec<Limit>,
     /// Of roughness, metallic and the like.
     numbers: Vec<Limit>,
+    /// The maximum share of the scan's pixels in which an asset lacks it.
+    missing: f64,
 }
 
 /// A limit of a statistic of differences.
@@ -91,7 +97,10 @@ impl Goal {
         let angles = required(&ANGLES, 1.0);
         let factor = (least_mean(&angles) / least_mean(&of(&lossless, &ANGLES))).max(1.0);
         let [colors, numbers] = MOST_FACTORS.map(|most| factor.min(most));
-        Self { angles, colors: required(&COLORS, colors), numbers: times(&NUMBERS, numbers) }
+        let missed = requirements.iter().filter(|required| required.figure == Figure::Missed);
+        let of_level = missed.filter(|required| required.level.is_none_or(|of| of == level));
+        let missing = of_level.map(|required| required.most.max(LEAST)).fold(MISSING, f64::min);
+        Self { angles, colors: required(&COLORS, colors), numbers: times(&NUMBERS, numbers), missing }
     }
 
     /// Returns the requirements that pixels decide; those of [`Requirement::visually_lossless`] if there are none.
@@ -101,17 +110,19 @@ impl Goal {
         if decided.is_empty() { Requirement::visually_lossless() } else { decided }
     }
 
-    /// Returns the goal with all limits multiplied by `factor`.
+    /// Returns the goal with all limits of differences multiplied by `factor`.
     pub fn times(&self, factor: f64) -> Self {
-        let Self { angles, colors, numbers } = self;
-        Self { angles: times(angles, factor), colors: times(colors, factor), numbers: times(numbers, factor) }
+        let [angles, colors, numbers] =
+            [&self.angles, &self.colors, &self.numbers].map(|limits| times(limits, factor));
+        Self { angles, colors, numbers, ..*self }
     }
 
     /// Returns the largest ratios of differences, in ascending order, to the limits of angles and of colours; `None`
-    /// for colours that are not compared. Without angles to compare, the first is infinite.
+    /// for colours that are not compared. The first is also at least the ratio of what is missing to its limit, and
+    /// infinite without angles to compare.
     pub fn ratios(&self, seen: &PixelDifferences) -> (f64, Option<f64>) {
         let color = (!seen.colors.is_empty()).then(|| worst(&self.colors, &seen.colors));
-        (worst(&self.angles, &seen.angles), color)
+        (worst(&self.angles, &seen.angles).max(seen.missing / self.missing), color)
     }
 
     /// Returns the largest ratio of an image's visible differences, in ascending order, to their limit; infinite if
@@ -353,7 +364,7 @@ mod tests {
     fn seen() -> PixelDifferences {
         let mut angles: Vec<f32> = (1..100).map(|i| i as f32 * 0.01).collect();
         angles.push(20.0);
-        PixelDifferences { colors: angles.iter().map(|v| v * 2.0).collect(), angles }
+        PixelDifferences { colors: angles.iter().map(|v| v * 2.0).collect(), angles, missing: 0.0 }
     }
 
     #[test]
@@ -373,6 +384,16 @@ mod tests {
         assert_eq!(wanted.ratios(&seen()).1.map(|ratio| ratio * 2.0), lossless.ratios(&seen()).1);
         assert_eq!(goal(&["mean-angle=0.1"]).ratios(&seen()).1, lossless.ratios(&seen()).1);
         assert!((wanted.ratio_of_mean(1.0) - 0.25).abs() < 1e-9, "only of level 0");
+    }
+
+    #[test]
+    fn what_lacks_a_part_is_not_near() {
+        let lacks = |missing: f64| PixelDifferences { missing, ..seen() };
+        let loose = |more: &'static str| goal(&["mean-angle=90", "p95-angle=90", "patch-angle=90", more]);
+        let ratio = |goal: Goal, missing: f64| goal.ratios(&lacks(missing)).0;
+        assert!(ratio(loose("flip=1"), 0.009) < 1.0 && ratio(loose("flip=1"), 0.011) > 1.0);
+        assert!(ratio(loose("missed=0.1%"), 0.0009) < 1.0);
+        assert!((ratio(loose("missed=0.1%").times(9.0), 0.002) - 2.0).abs() < 1e-9);
     }
 
     #[test]

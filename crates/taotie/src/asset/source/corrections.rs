@@ -402,3 +402,32 @@ pub(super) fn set_green(parts: &mut SceneData, options: &ScanOptions, warnings: 
 fn surely(confidence: f32) -> String {
     format!("{:.1} % sure from its pixels", (100.0 * f64::from(confidence)).min(99.9))
 }
+/// Checks that positions are not rounded too coarsely for the size of a scan, in model units: single precision has about
+/// seven digits.
+///
+/// # Errors
+/// [`Error::Invalid`] if they are.
+pub(super) fn check_rounding(mesh: &Mesh, warnings: &mut Warnings) -> Result<()> {
+    /// Fractions of the diagonal: angles suffer visibly beyond the first, and the shape beyond the second.
+    const FINE: f64 = 1e-5;
+    const COARSE: f64 = 1e-3;
+    let coordinates = mesh.positions().iter().flat_map(|p| p.to_array());
+    let most = f64::from(coordinates.fold(0.0f32, |most, v| most.max(v.abs())));
+    let (rounding, diagonal) = (most * f64::from(f32::EPSILON), mesh.diagonal());
+    if rounding <= diagonal * FINE || diagonal == 0.0 {
+        return Ok(());
+    }
+    let center = mesh.positions().iter().fold(Vec3::<f64>::default(), |sum, p| sum + p.to_f64())
+        / mesh.positions().len().max(1) as f64;
+    let [x, y, z] = center.to_array().map(f64::round);
+    let percent = rounding / diagonal * 100.0;
+    let what = format!(
+        "its coordinates are too far from the origin: single precision rounds them by up to {percent:.2} % of its \
+         diagonal; subtract a fixed offset, such as ({x}, {y}, {z}), from all of them first"
+    );
+    if rounding > diagonal * COARSE {
+        return Err(Error::invalid("the scan", what));
+    }
+    warnings.note(what, 1);
+    Ok(())
+}

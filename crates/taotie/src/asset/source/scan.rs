@@ -3,7 +3,8 @@
 //! Its tree takes more memory than its triangles. It is built when rays first need it, which is after simplification.
 
 use super::corrections::{
-    ScanOptions, added_vertices, compute_normals, note_contradicting_normals, set_green, turn_triangles,
+    ScanOptions, added_vertices, check_rounding, compute_normals, note_contradicting_normals, set_green,
+    turn_triangles,
 };
 use super::material::{Carried, is_plain};
 use super::size::ScanSize;
@@ -229,6 +230,7 @@ impl ScanFile {
             let Self { mut scene, mut about, limits } = self;
             correct(&mut scene, &mut about)?;
             let surface = Arc::new(bake::Scan::surface_of(scene)?);
+            check_rounding(surface.mesh(), &mut about.warnings)?;
             Ok(Scan {
                 surface,
                 sorted: Arc::default(),

@@ -71,6 +71,9 @@ fn files<'a>(part: &'a Part, path: &Path) -> Vec<MapFile<'a>> {
         }
     };
     files.extend(textures.separate.iter().map(other));
+    files.sort_by_key(|file| {
+        textures.stored.iter().position(|map| file.maps.contains(map)).unwrap_or(usize::MAX)
+    });
     for (i, file) in files.iter_mut().enumerate() {
         file.label = label;
         // Object space is a map without a slot.
@@ -306,6 +309,9 @@ pub(in crate::asset) fn read_back(
     for part in &made.parts {
         let number = part.low.own.as_ref().map_or(0, |own| own.number);
         let mut material = stated(part);
+        if part.low.tile().is_some() {
+            part.low.label().clone_into(&mut material.name);
+        }
         for file in files(part, path) {
             let bitmap = taotie_io::read_bitmap_within(&set.current(&file.path), &Limits::of_own_files())?;
             show(&file, data.textures.len(), (&mut material, made.options.space));
