@@ -4,8 +4,9 @@ use super::figures::Figures;
 use super::measurement::VerifyOptions;
 use super::outcome::RequirementOutcome;
 use crate::asset::ask::{Figure, Requirement, requirement};
-use crate::asset::source::{About, Scan, ScanOptions, all_files};
+use crate::asset::source::{About, ModelFile, Scan, ScanOptions, all_files};
 use crate::asset::write::{MapNote, WrittenAsset, name_of};
+use std::collections::BTreeSet;
 use std::path::Path;
 use taotie_engine::error::{Error, Result};
 use taotie_engine::scene::NormalSpace;
@@ -51,8 +52,10 @@ pub struct Certificate {
     pub figures: Vec<KeyFigure>,
     /// Contents that no figure and no image compares.
     pub not_compared: Vec<String>,
-    /// The scan's files, the model file first; empty for a scan in memory.
+    /// The scan's files, the model files first; empty for a scan in memory.
     pub scan: Vec<HashedFile>,
+    /// The number of model files among them, which are one scan together.
+    pub scan_models: usize,
     /// Triangles of the scan.
     pub scan_triangles: usize,
     /// The asset's files, the model file first.
@@ -70,7 +73,7 @@ pub struct Certificate {
     /// The operator, if stated.
     pub operator: Option<String>,
     /// The command that reproduces this certificate from the files, run in the folder that holds them; `None` if the
-    /// model file does not contain everything that was compared.
+    /// model file does not contain everything that was compared, or if files of the scan have the same name.
     pub command: Option<String>,
 }
 
@@ -220,15 +223,17 @@ impl Certificate {
         signature.check()?;
         let Subject { scan, asset, is_whole, figures } = subject;
         let required = figures.evaluate(&options.requirements);
-        let names = asset.files.first().map(|file| &file.name).filter(|_| is_whole && !scan.files.is_empty());
-        let command =
-            names.map(|asset| command([asset, &name_of(&scan.path)], &scan.options, options, signature));
+        let names: Vec<String> = scan.models.iter().map(ModelFile::name).collect();
+        let is_runnable = is_whole && !names.is_empty() && are_distinct(&names);
+        let model = asset.files.first().filter(|_| is_runnable);
+        let command = model.map(|asset| command((&asset.name, &names), &scan.options, options, signature));
         Ok(Self {
             verdict: Verdict::of(&required),
             required,
             figures: KeyFigure::all(figures),
             not_compared: figures.unseen.clone(),
             scan: HashedFile::of_scan(scan)?,
+            scan_models: scan.models.len(),
             scan_triangles: scan.size.triangles as usize,
             asset: asset.files,
             triangles: figures.levels.iter().map(|level| level.triangles).collect(),
@@ -242,16 +247,23 @@ impl Certificate {
     }
 }
 
-/// Returns the command that reproduces a certificate; options with default values are omitted.
+/// Returns `true` if no name occurs twice, in any case, so that one folder can hold all these files.
+fn are_distinct(names: &[String]) -> bool {
+    let known: BTreeSet<String> = names.iter().map(|name| name.to_lowercase()).collect();
+    known.len() == names.len()
+}
+
+/// Returns the command that reproduces the certificate of an asset and the files of its scan; options with default
+/// values are omitted.
 fn command(
-    names: [&str; 2],
+    (asset, scan): (&str, &[String]),
     reading: &ScanOptions,
     options: &VerifyOptions,
     signature: &Signature,
 ) -> String {
-    let [asset, scan] = names;
     let usual = VerifyOptions::default();
-    let mut words = ["taotie", "verify", asset, "--scan", scan].map(str::to_owned).to_vec();
+    let mut words = ["taotie", "verify", asset].map(str::to_owned).to_vec();
+    words.extend(scan.iter().flat_map(|scan| ["--scan".to_owned(), scan.clone()]));
     words.extend(reading.arguments());
     let mut option = |name: &str, value: Option<String>| {
         words.extend(value.into_iter().flat_map(|value| [name.to_owned(), value]));
@@ -318,14 +330,29 @@ impl HashedFile {
         Ok(Self { name: name_of(path), bytes: taotie_io::file_size(path)?, sha256: taotie_io::sha256(path)? })
     }
 
-    /// Reads the files of a scan, the model file first; empty for a scan in memory.
+    /// Reads the files of a scan, the model files first; empty for a scan in memory.
     ///
     /// # Errors
     /// [`taotie_engine::Error::Io`] if one cannot be read.
     fn of_scan(about: &About) -> Result<Vec<Self>> {
-        let Some((own, others)) = about.files.split_first() else { return Ok(Vec::new()) };
-        let own = Self { name: name_of(own), bytes: taotie_io::file_size(own)?, sha256: about.sha256()? };
-        std::iter::once(Ok(own)).chain(others.iter().map(|file| Self::read(file))).collect()
+        let others = about.files.iter().filter(|_| !about.models.is_empty()).skip(about.models.len());
+        let others = others.map(|file| Self::read(file)).collect::<Result<Vec<_>>>()?;
+        Ok([Self::of_models(&about.models)?, others].concat())
+    }
+
+    /// Returns model files of a scan.
+    ///
+    /// # Errors
+    /// As [`Self::of_scan`].
+    pub(super) fn of_models(models: &[ModelFile]) -> Result<Vec<Self>> {
+        let of = |model: &ModelFile| {
+            Ok(Self {
+                name: model.name(),
+                bytes: taotie_io::file_size(&model.path)?,
+                sha256: model.sha256()?,
+            })
+        };
+        models.iter().map(of).collect()
     }
 }
 

@@ -37,8 +37,9 @@ pub struct ScanOptions {
     /// The direction of green in the scan's tangent-space normal maps; `None` trusts the file unless the pixels
     /// contradict it.
     pub green: Option<GreenChannel>,
-    /// The unit of the scan's coordinates; `None` is the metre for glTF, as its specification requires, and an
-    /// unknown unit for other formats.
+    /// The unit of the scan's coordinates; `None` is the metre for glTF, as its specification requires, and for FBX,
+    /// and an unknown unit for other formats. If a scan has files of both kinds, it is required: those that state
+    /// their unit are converted to it.
     pub unit: Option<Unit>,
 }
 
@@ -85,6 +86,63 @@ impl ScanOptions {
         let all = [crease_angle, green, unit].into_iter().flatten();
         all.flat_map(|(name, value)| [name.to_owned(), value]).collect()
     }
+}
+
+/// Returns the metres of a unit other than the metre, by which an asset's root node is scaled; `None` if there is
+/// nothing to scale.
+pub(in crate::asset) fn root_scale(unit: Option<Unit>) -> Option<f32> {
+    unit.filter(|unit| *unit != Unit::Metre).map(|unit| unit.metres() as f32)
+}
+
+/// Converts a scan's scene, with coordinates in `unit`, to the space of its assets, which are in metres.
+///
+/// ```
+/// use taotie::asset::into_metres;
+/// use taotie::{Material, Mesh, Scene};
+/// use taotie_engine::length::Unit;
+///
+/// let mut scan = Scene::of_mesh(Mesh::sphere(40.0, 16, 8), Material::default())?;
+/// into_metres(&mut scan, Some(Unit::Millimetre))?;
+/// assert!(scan.bounds().unwrap().max.y < 0.041);
+/// # Ok::<(), taotie::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Invalid`] if its transforms are no longer finite.
+pub fn into_metres(scene: &mut Scene, unit: Option<Unit>) -> Result<()> {
+    match root_scale(unit) {
+        Some(scale) => scaled(scene, |v| v * f64::from(scale)),
+        None => Ok(()),
+    }
+}
+
+/// Converts a glTF scene to the space of a scan in this unit. An asset written for that scan gets its transforms back
+/// bit for bit: they are divided by the scale of its root node.
+pub(in crate::asset) fn from_metres(scene: &mut Scene, unit: Option<Unit>) -> Result<()> {
+    match root_scale(unit) {
+        Some(scale) => scaled(scene, |v| v / f64::from(scale)),
+        None => Ok(()),
+    }
+}
+
+/// Applies a function to the scales and translations of all instances.
+fn scaled(scene: &mut Scene, change: impl Fn(f64) -> f64) -> Result<()> {
+    let mut data = std::mem::take(scene).into_data();
+    for instance in &mut data.instances {
+        for column in &mut instance.world_from_object.columns {
+            column[..3].iter_mut().for_each(|v| *v = change(*v));
+        }
+    }
+    *scene = Scene::new(data)?;
+    Ok(())
+}
+
+/// Returns `true` if a scene that should be in metres has the size of a model with this diagonal in `unit`: its unconverted
+/// diagonal is closer to it than in metres.
+pub(super) fn is_in_unit(scene: &Scene, unit: Unit, diagonal: f64) -> bool {
+    let Some((own, scale)) = scene.bounds().zip(root_scale(Some(unit))) else { return false };
+    // The ratio of the sizes, closest to 1 up to √scale.
+    own.diagonal() / diagonal > f64::from(scale).sqrt()
 }
 
 /// The share of the surface above which normals contradicting the geometry cause a warning.

@@ -1,6 +1,7 @@
 //! The sources of a bake: the scan, read and corrected, and the low-poly mesh, given or made, with its material and
 //! cage.
 
+mod about;
 mod corrections;
 mod extent;
 mod given;
@@ -9,20 +10,19 @@ mod low_material;
 pub(super) mod low_poly;
 mod material;
 mod scan;
-mod size;
 
-pub use corrections::ScanOptions;
-pub(super) use corrections::turned;
+pub use about::ScanSize;
+pub(super) use about::{About, ModelFile, warnings_of_packed_scan};
+pub use corrections::{ScanOptions, into_metres};
+pub(super) use corrections::{from_metres, root_scale, turned};
 pub(super) use extent::{Extent, Spot, Whole};
 pub(super) use given::{GivenMesh, Inputs};
-pub use low_file::into_metres;
-pub(super) use low_file::{Document, from_metres, is_in_scan_unit, root_scale};
+pub(super) use low_file::{Document, is_in_scan_unit};
 pub(super) use low_material::{LowLook, Metalness, assign_object_map};
 #[cfg(test)]
 pub(super) use low_poly::Skew;
 pub(super) use low_poly::{Base, KeptTextures, LowPoly, MadeFrom, Pair, RayLength, Rays, Relief};
 pub use low_poly::{Origin, Simplification};
 pub(super) use material::{Carried, Found, Property, is_plain, used_materials};
-pub(super) use scan::{About, ScanNoise, all_files, is_gltf, stated_unit, warnings_of_packed_scan};
 pub use scan::{Scan, ScanFile};
-pub use size::ScanSize;
+pub(super) use scan::{ScanNoise, all_files, is_gltf, stated_unit};

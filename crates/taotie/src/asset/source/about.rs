@@ -1,14 +1,113 @@
-//! The size of a scan: the memory that its triangles and textures take, and the size of a map that preserves its
-//! detail.
+//! The properties of a scan besides its triangles: its files, what no bake reads of them, and its size, which is the
+//! memory that its triangles and textures take, and the size of a map that preserves its detail.
 
-use super::material::is_plain;
+use super::corrections::ScanOptions;
+use super::material::{Carried, is_plain};
+use std::path::{Path, PathBuf};
 use taotie_engine::bake::{Maps, lacks_tangents, texel_width};
+use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::image::Texture;
+use taotie_engine::length::Unit;
 use taotie_engine::math::scalar;
 use taotie_engine::mesh::Mesh;
 use taotie_engine::proof::{Footprint, edges};
 use taotie_engine::scene::{Instance, Scene};
 use taotie_engine::surface::tangent_bytes;
+use taotie_io::{FileHash, Loaded, Objects};
+
+/// The properties of a scan besides its triangles.
+#[derive(Debug)]
+pub(in crate::asset) struct About {
+    /// Its model files, which are one scan together; none in memory.
+    pub models: Vec<ModelFile>,
+    /// All files that it was read from, the model files first; empty in memory.
+    pub files: Vec<PathBuf>,
+    /// Bytes of all its files; 0 in memory.
+    pub bytes: u64,
+    pub copyright: Option<String>,
+    /// The XMP metadata of the file as a whole, JSON-LD.
+    pub xmp: Option<taotie_io::Json>,
+    /// Problems and omissions.
+    pub warnings: Warnings,
+    pub size: ScanSize,
+    pub carried: Carried,
+    /// The objects of its instances; none if its only file has no objects.
+    pub objects: Objects,
+    /// `true` if it specifies no colour and no material.
+    pub is_plain: bool,
+    /// `true` if its only file has animations, skins, morph targets or material variants, none of which a baked asset
+    /// has.
+    pub is_rigged: bool,
+    /// Why its only file can have only one level of detail if it is packed: motion, or its own levels.
+    pub one_level: Option<&'static str>,
+    /// How it is read; the unit is the metre for glTF unless the caller specifies another.
+    pub options: ScanOptions,
+}
+
+impl About {
+    /// Returns the properties of a scan in memory.
+    pub(super) fn of(scene: &Scene) -> Self {
+        let carried = Carried::of(scene);
+        let size = ScanSize::of(scene, carried.maps());
+        Self {
+            models: Vec::new(),
+            files: Vec::new(),
+            bytes: 0,
+            copyright: None,
+            xmp: None,
+            warnings: Warnings::default(),
+            size,
+            carried,
+            objects: Objects::default(),
+            is_plain: is_plain(scene),
+            is_rigged: false,
+            one_level: None,
+            options: ScanOptions::default(),
+        }
+    }
+
+    /// Returns the unit of the scan's coordinates; `None` if unknown.
+    pub fn unit(&self) -> Option<Unit> {
+        self.options.unit
+    }
+
+    /// Returns the path of the first model file; empty in memory.
+    pub fn path(&self) -> &Path {
+        self.models.first().map_or(Path::new(""), |model| &model.path)
+    }
+}
+
+/// A model file of a scan.
+#[derive(Debug)]
+pub(in crate::asset) struct ModelFile {
+    pub path: PathBuf,
+    hash: FileHash,
+}
+
+impl ModelFile {
+    /// Starts to hash the file.
+    pub(super) fn begin(path: &Path) -> Self {
+        Self { path: path.to_path_buf(), hash: FileHash::begin(path) }
+    }
+
+    /// Returns its SHA-256, hexadecimal.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if it can no longer be read.
+    pub fn sha256(&self) -> Result<String> {
+        self.hash.get()
+    }
+
+    /// Returns its name without folders.
+    pub fn name(&self) -> String {
+        self.path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+    }
+
+    /// Returns its name without folders and without its extension.
+    pub(super) fn stem(&self) -> String {
+        self.path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+    }
+}
 
 /// The number of triangles and vertices of a scan, their attributes, and the maps that its materials need.
 ///
@@ -209,6 +308,48 @@ impl<'a> Placed<'a> {
             texel: widths.reduce(f32::min).map(|width| width * self.scale as f32),
         }
     }
+}
+
+/// The minimum and maximum diagonal of a baked model, model units. Outside this range, fourth powers of edge lengths
+/// leave single precision, and distances become meaningless.
+const LEAST_SIZE: f64 = 1e-6;
+const MOST_SIZE: f64 = 1e9;
+
+/// Refuses a model that is only a point, or whose distances cannot be measured.
+pub(super) fn check_extent(scene: &Scene, name: &str) -> Result<()> {
+    let mut positions = scene.meshes().iter().flat_map(|mesh| mesh.positions());
+    let first = positions.next();
+    if !positions.any(|position| Some(position) != first) {
+        return Err(Error::invalid(name, "all its triangles are at one point; there is nothing to bake"));
+    }
+    let size = scene.bounds().map_or(0.0, |bounds| bounds.diagonal());
+    if !(LEAST_SIZE..=MOST_SIZE).contains(&size) {
+        let why = format!("it measures {size:.1e} model units; scale it to between 1e-6 and 1e9");
+        return Err(Error::invalid(name, why));
+    }
+    Ok(())
+}
+
+/// Contents of a scan's file that no bake reads, but that a packed scan keeps.
+const LEFT_OF_FILE: [&str; 3] = [
+    "XMP metadata of the scan other than the whole asset's, left out",
+    "animations of the scan, which is baked at rest",
+    "material variants of the scan, left out: it is baked without any",
+];
+
+/// Notes the contents of a scan's file that no bake reads.
+pub(super) fn left_of_scan_file(loaded: &mut Loaded) {
+    let Loaded { warnings, xmp, rig, variants, .. } = loaded;
+    let counts = [xmp.len().saturating_sub(1), usize::from(rig.is_some()), variants.names().len()];
+    LEFT_OF_FILE.into_iter().zip(counts).for_each(|(what, count)| warnings.note(what, count));
+}
+
+/// Returns the warnings except those about contents that a packed scan keeps.
+pub(in crate::asset) fn warnings_of_packed_scan(warnings: &Warnings) -> Warnings {
+    let mut left = Warnings::default();
+    let others = warnings.iter().filter(|(what, _)| !LEFT_OF_FILE.contains(what));
+    others.for_each(|(what, count)| left.note(what, count));
+    left
 }
 
 #[cfg(test)]
