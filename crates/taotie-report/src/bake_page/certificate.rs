@@ -296,9 +296,7 @@ fn rows_of_files(certificate: &Certificate) -> Vec<Vec<Cell>> {
         let HashedFile { name, bytes, sha256, .. } = file;
         vec![Cell::text(what), Cell::text(name), Cell::number(*bytes as f64, 0), Cell::Code(sha256.clone())]
     };
-    let own = |what: &'static str, files: &[HashedFile], count: usize| {
-        files.iter().take(count).map(|file| row(what.into(), file)).collect::<Vec<_>>()
-    };
+    let own = |what: &str, files: &[HashedFile]| files.first().map(|file| row(what.into(), file));
     let map = |map: &HashedMap| {
         let uses = if map.uses.is_empty() { "unused" } else { &map.uses };
         let name = map.file.clone().unwrap_or_else(|| "in the model file".into());
@@ -307,9 +305,10 @@ fn rows_of_files(certificate: &Certificate) -> Vec<Vec<Cell>> {
         vec![Cell::text(format!("map: {uses}")), Cell::text(name), bytes, hash]
     };
     let Certificate { scan, scan_models, asset, maps, .. } = certificate;
-    let models = own("scan", scan, *scan_models).into_iter().chain(own("asset", asset, 1));
+    let models = own("scan", scan).into_iter().chain(own("asset", asset));
     let of_asset = asset.iter().skip(1).map(|file| row("asset, part".into(), file));
-    let of_scan = scan.iter().skip(*scan_models).map(|file| row("scan, part".into(), file));
+    let kind = |number: usize| if number < *scan_models { "scan" } else { "scan, part" };
+    let of_scan = scan.iter().enumerate().skip(1).map(|(number, file)| row(kind(number).into(), file));
     models.chain(of_asset).chain(maps.iter().map(map)).chain(of_scan).collect()
 }
 
