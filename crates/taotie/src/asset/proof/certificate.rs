@@ -429,7 +429,8 @@ mod tests {
     #[test]
     fn the_command_has_what_differs_from_the_defaults() {
         let (plain, usual) = (ScanOptions::default(), VerifyOptions::default());
-        let bare = command(["a.glb", "s.ply"], &plain, &usual, &Signature::default());
+        let scan = ["s.ply".to_owned()];
+        let bare = command(("a.glb", &scan), &plain, &usual, &Signature::default());
         assert_eq!(bare, "taotie verify a.glb --scan s.ply -o a.report.html");
         let reading = ScanOptions {
             crease_angle_deg: Some(30.0),
@@ -440,11 +441,15 @@ mod tests {
         let options = VerifyOptions { points: 500, view: 96, requirements, ..usual };
         let signature =
             Signature { date: Some("1 May 2026".into()), operator: Some("E. O'Neill \"EO\"".into()) };
-        let full = command(["big jug.glb", "s.ply"], &reading, &options, &signature);
+        let full = command(("big jug.glb", &scan), &reading, &options, &signature);
         let wanted = "taotie verify \"big jug.glb\" --scan s.ply --crease-angle 30 --scan-green down \
                       --proof-points 500 --proof-view 96 --require standard --date \"1 May 2026\" \
                       --operator 'E. O'\\''Neill \"EO\"' -o \"big jug.report.html\"";
         assert_eq!(full, wanted);
+        let two = ["s.ply", "S.obj"].map(str::to_owned);
+        let of_two = command(("a.glb", &two), &plain, &VerifyOptions::default(), &Signature::default());
+        assert_eq!(of_two, "taotie verify a.glb --scan s.ply --scan S.obj -o a.report.html");
+        assert!(are_distinct(&two) && !are_distinct(&["s.ply", "S.ply"].map(str::to_owned)));
     }
 
     #[test]

@@ -310,6 +310,38 @@ impl<'a> Placed<'a> {
     }
 }
 
+/// Returns `true` if a model of this format, as [`taotie_io::Loaded`] names it, is glTF.
+pub(in crate::asset) fn is_gltf(format: &str) -> bool {
+    ["glTF", "GLB"].contains(&format)
+}
+
+/// Returns how a format states the unit of lengths, which are then read as metres; `None` if it does not.
+pub(in crate::asset) fn stated_unit(format: &str) -> Option<&'static str> {
+    match format {
+        "glTF" | "GLB" => Some("glTF is in metres"),
+        "FBX" => Some("FBX states its unit"),
+        _ => None,
+    }
+}
+
+/// Returns a model's file and all others that it was read from, without duplicates.
+pub(in crate::asset) fn all_files(path: &Path, others: &mut Vec<PathBuf>) -> Vec<PathBuf> {
+    first_of(vec![path.to_path_buf()], std::mem::take(others))
+}
+
+/// Returns `first` and then the others, sorted, without duplicates.
+pub(super) fn first_of(first: Vec<PathBuf>, mut others: Vec<PathBuf>) -> Vec<PathBuf> {
+    others.sort();
+    others.dedup();
+    others.retain(|other| !first.contains(other));
+    [first, others].concat()
+}
+
+/// Returns the total size of files.
+pub(super) fn sizes(files: &[PathBuf]) -> Result<u64> {
+    files.iter().map(|file| taotie_io::file_size(file)).sum()
+}
+
 /// The minimum and maximum diagonal of a baked model, model units. Outside this range, fourth powers of edge lengths
 /// leave single precision, and distances become meaningless.
 const LEAST_SIZE: f64 = 1e-6;

@@ -460,3 +460,22 @@ pub(super) fn set_green(parts: &mut SceneData, options: &ScanOptions, warnings: 
 fn surely(confidence: f32) -> String {
     format!("{:.1} % sure from its pixels", (100.0 * f64::from(confidence)).min(99.9))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use taotie_engine::scene::Material;
+
+    #[test]
+    fn transforms_come_back_to_the_bit() {
+        for unit in [Unit::Millimetre, Unit::Centimetre, Unit::Metre, Unit::Inch] {
+            let mut scene = Scene::of_mesh(Mesh::sphere(1.0, 8, 4), Material::default()).unwrap();
+            let own = Mat4::translation(Vec3::new(0.1f32, -7.3, 1e-3).to_f64())
+                * Mat4::scale(Vec3::splat(f64::from(0.123_456_7f32)));
+            let root = Mat4::scale(Vec3::splat(f64::from(root_scale(Some(unit)).unwrap_or(1.0))));
+            scene.edit(|scene| scene.instances[0].world_from_object = root * own).unwrap();
+            from_metres(&mut scene, Some(unit)).unwrap();
+            assert_eq!(scene.instances()[0].world_from_object, own, "{unit:?}");
+        }
+    }
+}

@@ -4,9 +4,9 @@
 //! glTF and FBX are read in metres. If the scan is in another unit, they are converted to the scan's space on reading,
 //! and back in assets.
 
-use super::about::check_extent;
+use super::about::{all_files, check_extent, is_gltf, stated_unit};
 use super::corrections::{from_metres, is_in_unit, root_scale};
-use super::scan::{Scan, all_files, is_gltf, stated_unit};
+use super::scan::Scan;
 use crate::asset::ask::{BakeOptions, MeshSource};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -395,20 +395,8 @@ fn word(name: &str) -> String {
 mod tests {
     use super::*;
     use crate::asset::ask::Lod;
+    use taotie_engine::length::Unit;
     use taotie_engine::scene::{Instance, SceneData};
-
-    #[test]
-    fn transforms_come_back_to_the_bit() {
-        for unit in [Unit::Millimetre, Unit::Centimetre, Unit::Metre, Unit::Inch] {
-            let mut scene = Scene::of_mesh(Mesh::sphere(1.0, 8, 4), Material::default()).unwrap();
-            let own = Mat4::translation(Vec3::new(0.1f32, -7.3, 1e-3).to_f64())
-                * Mat4::scale(Vec3::splat(f64::from(0.123_456_7f32)));
-            let root = Mat4::scale(Vec3::splat(f64::from(root_scale(Some(unit)).unwrap_or(1.0))));
-            scene.edit(|scene| scene.instances[0].world_from_object = root * own).unwrap();
-            from_metres(&mut scene, Some(unit)).unwrap();
-            assert_eq!(scene.instances()[0].world_from_object, own, "{unit:?}");
-        }
-    }
 
     #[test]
     fn the_size_shows_the_unit() {

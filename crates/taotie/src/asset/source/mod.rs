@@ -12,7 +12,7 @@ mod material;
 mod scan;
 
 pub use about::ScanSize;
-pub(super) use about::{About, ModelFile, warnings_of_packed_scan};
+pub(super) use about::{About, ModelFile, all_files, is_gltf, stated_unit, warnings_of_packed_scan};
 pub use corrections::{ScanOptions, into_metres};
 pub(super) use corrections::{from_metres, root_scale, turned};
 pub(super) use extent::{Extent, Spot, Whole};
@@ -24,5 +24,5 @@ pub(super) use low_poly::Skew;
 pub(super) use low_poly::{Base, KeptTextures, LowPoly, MadeFrom, Pair, RayLength, Rays, Relief};
 pub use low_poly::{Origin, Simplification};
 pub(super) use material::{Carried, Found, Property, is_plain, used_materials};
+pub(super) use scan::ScanNoise;
 pub use scan::{Scan, ScanFile};
-pub(super) use scan::{ScanNoise, all_files, is_gltf, stated_unit};

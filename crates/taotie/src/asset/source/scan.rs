@@ -2,7 +2,9 @@
 //!
 //! Its tree takes more memory than its triangles. It is built when rays first need it, which is after simplification.
 
-use super::about::{About, ModelFile, ScanSize, check_extent, left_of_scan_file};
+use super::about::{
+    About, ModelFile, ScanSize, all_files, check_extent, first_of, left_of_scan_file, sizes, stated_unit,
+};
 use super::corrections::{
     ScanOptions, added_vertices, compute_normals, from_metres, into_metres, is_in_unit,
     note_contradicting_normals, set_green, turn_triangles,
@@ -578,11 +580,6 @@ fn rights(files: &[ScanFile]) -> Option<String> {
     (!known.is_empty()).then(|| known.join("; "))
 }
 
-/// Returns the total size of files.
-fn sizes(files: &[PathBuf]) -> Result<u64> {
-    files.iter().map(|file| taotie_io::file_size(file)).sum()
-}
-
 /// Corrects faults and gaps of a scan's file according to the options, and notes them.
 fn correct(scene: &mut Scene, about: &mut About) -> Result<()> {
     let mut parts = std::mem::take(scene).into_data();
@@ -594,31 +591,4 @@ fn correct(scene: &mut Scene, about: &mut About) -> Result<()> {
     *scene = Scene::new(parts)?;
     about.size = ScanSize::of(scene, about.carried.maps());
     Ok(())
-}
-
-/// Returns `true` if a model of this format, as [`taotie_io::Loaded`] names it, is glTF.
-pub(in crate::asset) fn is_gltf(format: &str) -> bool {
-    ["glTF", "GLB"].contains(&format)
-}
-
-/// Returns how a format states the unit of lengths, which are then read as metres; `None` if it does not.
-pub(in crate::asset) fn stated_unit(format: &str) -> Option<&'static str> {
-    match format {
-        "glTF" | "GLB" => Some("glTF is in metres"),
-        "FBX" => Some("FBX states its unit"),
-        _ => None,
-    }
-}
-
-/// Returns a model's file and all others that it was read from, without duplicates.
-pub(in crate::asset) fn all_files(path: &Path, others: &mut Vec<PathBuf>) -> Vec<PathBuf> {
-    first_of(vec![path.to_path_buf()], std::mem::take(others))
-}
-
-/// Returns `first` and then the others, sorted, without duplicates.
-fn first_of(first: Vec<PathBuf>, mut others: Vec<PathBuf>) -> Vec<PathBuf> {
-    others.sort();
-    others.dedup();
-    others.retain(|other| !first.contains(other));
-    [first, others].concat()
 }
