@@ -170,14 +170,8 @@ impl Written {
     }
 
     /// Reads the asset back and measures how far it is from the scan: figures, error maps, warnings.
-    fn verify<'py>(
-        &self,
-        py: Python<'py>,
-        models: ScanModels,
-        request: Options,
-        running: Running,
-    ) -> PyResult<Bound<'py, PyDict>> {
-        measured(py, request, &running, |options, progress| {
+    fn verify(&self, models: ScanModels, request: Options, running: Running) -> PyResult<Py<PyDict>> {
+        measured(request, &running, |options, progress| {
             self.written.verify(models.scan(progress)?, options, progress)
         })
     }
@@ -212,28 +206,28 @@ pub struct Proved {
 
 /// Reads an asset's file and measures how far it is from the scan: figures, error maps, warnings.
 #[pyfunction]
-pub fn verify<'py>(
-    py: Python<'py>,
+pub fn verify(
     asset: PathBuf,
     models: ScanModels,
     request: Options,
     running: Running,
-) -> PyResult<Bound<'py, PyDict>> {
-    measured(py, request, &running, |options, progress| {
+) -> PyResult<Py<PyDict>> {
+    measured(request, &running, |options, progress| {
         taotie::asset::verify(&asset, models.scan_of(&asset, progress)?, options, progress)
     })
 }
 
 /// Runs a proof, and returns its results.
-fn measured<'py>(
-    py: Python<'py>,
+fn measured(
     request: Options,
     running: &Running,
     verify: impl FnOnce(&VerifyOptions, Progress<'_>) -> Result<Proof> + Send,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> PyResult<Py<PyDict>> {
     let options = request.read::<VerifyOptions>()?;
-    let proof = work::run(py, running, |progress| verify(&options, progress))?;
-    results(py, &proof)
+    Python::attach(|py| {
+        let proof = work::run(py, running, |progress| verify(&options, progress))?;
+        Ok(results(py, &proof)?.unbind())
+    })
 }
 
 /// Returns the results of a proof.

@@ -256,12 +256,12 @@ fn are_distinct(names: &[String]) -> bool {
 /// Returns the command that reproduces the certificate of an asset and the files of its scan; options with default
 /// values are omitted.
 fn command(
-    (asset, scan): (&str, &[String]),
+    names: (&str, &[String]),
     reading: &ScanOptions,
     options: &VerifyOptions,
     signature: &Signature,
 ) -> String {
-    let usual = VerifyOptions::default();
+    let ((asset, scan), usual) = (names, VerifyOptions::default());
     let mut words = ["taotie", "verify", asset].map(str::to_owned).to_vec();
     words.extend(scan.iter().flat_map(|scan| ["--scan".to_owned(), scan.clone()]));
     words.extend(reading.arguments());

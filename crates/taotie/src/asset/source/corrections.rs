@@ -145,6 +145,61 @@ pub(super) fn is_in_unit(scene: &Scene, unit: Unit, diagonal: f64) -> bool {
     own.diagonal() / diagonal > f64::from(scale).sqrt()
 }
 
+/// A file of a scan of several.
+pub(super) struct FileUnit<'a> {
+    /// Its path.
+    pub name: String,
+    pub scene: &'a mut Scene,
+    /// The unit that its format states, which is then the metre.
+    pub stated: Option<Unit>,
+}
+
+/// Converts files that state their unit, and are thus in metres, to that of the others, and returns the unit of all.
+///
+/// # Errors
+/// [`Error::Invalid`] if they state different units, or one seems not to be in metres.
+pub(super) fn to_one_unit(files: Vec<FileUnit<'_>>, given: Option<Unit>) -> Result<Option<Unit>> {
+    let (stated, others): (Vec<_>, Vec<_>) = files.into_iter().partition(|file| file.stated.is_some());
+    let (Some(first), Some(other)) = (stated.first(), others.first()) else {
+        return Ok(given.or(stated.first().and_then(|file| file.stated)));
+    };
+    let Some(unit) = given else {
+        let why = format!(
+            "its unit is unknown, but {} is in metres, as its format states; state the unit of files like it with \
+             --unit, such as --unit mm, or --unit m if it is in metres too",
+            first.name
+        );
+        return Err(Error::invalid(&other.name, why));
+    };
+    let bounds = others.iter().filter_map(|file| file.scene.bounds());
+    let diagonal = bounds.reduce(|all, own| all.united(&own)).map_or(0.0, |all| all.diagonal());
+    for file in stated {
+        if is_in_unit(file.scene, unit, diagonal) {
+            let why = format!(
+                "its format is in metres, but its size suggests {unit}, as the other files of the scan are; scale it to \
+                 metres, or save it in a format without a unit, such as PLY",
+                unit = unit.name()
+            );
+            return Err(Error::invalid(file.name, why));
+        }
+        from_metres(file.scene, given)?;
+    }
+    Ok(given)
+}
+
+/// Corrects faults and gaps of a scan according to the options, and notes them.
+///
+/// # Errors
+/// Those of [`ScanOptions::check`].
+pub(super) fn corrected(scene: Scene, options: &ScanOptions, warnings: &mut Warnings) -> Result<Scene> {
+    let mut parts = scene.into_data();
+    turn_triangles(&mut parts, options.unit, warnings)?;
+    compute_normals(&mut parts, options, warnings)?;
+    note_contradicting_normals(&parts, options.unit, warnings);
+    set_green(&mut parts, options, warnings);
+    Scene::new(parts)
+}
+
 /// The share of the surface above which normals contradicting the geometry cause a warning.
 const CONTRADICTED: f64 = 0.005;
 
@@ -162,11 +217,7 @@ struct Found {
 ///
 /// # Errors
 /// None for meshes that were checked.
-pub(super) fn turn_triangles(
-    parts: &mut SceneData,
-    unit: Option<Unit>,
-    warnings: &mut Warnings,
-) -> Result<()> {
+fn turn_triangles(parts: &mut SceneData, unit: Option<Unit>, warnings: &mut Warnings) -> Result<()> {
     let (mut turned, mut doubtful) = (Found::with(unit), Found::with(unit));
     for i in 0..parts.meshes.len() {
         let opposed = Opposed::of(&parts.meshes[i]);
@@ -193,7 +244,7 @@ pub(super) fn turn_triangles(
 }
 
 /// Notes normals of the scan that point to the opposite side of their triangles.
-pub(super) fn note_contradicting_normals(parts: &SceneData, unit: Option<Unit>, warnings: &mut Warnings) {
+fn note_contradicting_normals(parts: &SceneData, unit: Option<Unit>, warnings: &mut Warnings) {
     let mut found = Found::with(unit);
     for (i, mesh) in parts.meshes.iter().enumerate().filter(|(_, mesh)| !mesh.normals().is_empty()) {
         let turned: Vec<u32> = turned(mesh).into_iter().map(|t| t as u32).collect();
@@ -291,11 +342,7 @@ struct Outcome {
 ///
 /// # Errors
 /// Those of [`ScanOptions::check`].
-pub(super) fn compute_normals(
-    parts: &mut SceneData,
-    options: &ScanOptions,
-    warnings: &mut Warnings,
-) -> Result<()> {
+fn compute_normals(parts: &mut SceneData, options: &ScanOptions, warnings: &mut Warnings) -> Result<()> {
     options.check()?;
     let is_mapped = mapped(parts);
     let mut outcome = Outcome::default();
@@ -417,7 +464,7 @@ fn is_faceted(mesh: &Mesh) -> bool {
 
 /// Sets the direction of green of all tangent-space normal maps that the scan uses. Without a choice by the caller,
 /// maps whose pixels show that green points down are read as such, and noted.
-pub(super) fn set_green(parts: &mut SceneData, options: &ScanOptions, warnings: &mut Warnings) {
+fn set_green(parts: &mut SceneData, options: &ScanOptions, warnings: &mut Warnings) {
     let mut is_used = vec![false; parts.materials.len()];
     parts.instances.iter().for_each(|instance| is_used[instance.material] = true);
     let mut down: BTreeMap<usize, Option<f32>> = BTreeMap::new();

@@ -4,9 +4,9 @@
 //! glTF and FBX are read in metres. If the scan is in another unit, they are converted to the scan's space on reading,
 //! and back in assets.
 
-use super::about::{all_files, check_extent, is_gltf, stated_unit};
 use super::corrections::{from_metres, is_in_unit, root_scale};
 use super::scan::Scan;
+use super::size::{all_files, check_extent, is_gltf, stated_unit};
 use crate::asset::ask::{BakeOptions, MeshSource};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;

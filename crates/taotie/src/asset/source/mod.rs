@@ -1,7 +1,6 @@
 //! The sources of a bake: the scan, read and corrected, and the low-poly mesh, given or made, with its material and
 //! cage.
 
-mod about;
 mod corrections;
 mod extent;
 mod given;
@@ -10,9 +9,8 @@ mod low_material;
 pub(super) mod low_poly;
 mod material;
 mod scan;
+mod size;
 
-pub use about::ScanSize;
-pub(super) use about::{About, ModelFile, all_files, is_gltf, stated_unit, warnings_of_packed_scan};
 pub use corrections::{ScanOptions, into_metres};
 pub(super) use corrections::{from_metres, root_scale, turned};
 pub(super) use extent::{Extent, Spot, Whole};
@@ -24,5 +22,7 @@ pub(super) use low_poly::Skew;
 pub(super) use low_poly::{Base, KeptTextures, LowPoly, MadeFrom, Pair, RayLength, Rays, Relief};
 pub use low_poly::{Origin, Simplification};
 pub(super) use material::{Carried, Found, Property, is_plain, used_materials};
-pub(super) use scan::ScanNoise;
+pub(super) use scan::{About, ScanNoise};
 pub use scan::{Scan, ScanFile};
+pub use size::ScanSize;
+pub(super) use size::{ModelFile, all_files, is_gltf, stated_unit, warnings_of_packed_scan};

@@ -2,25 +2,84 @@
 //!
 //! Its tree takes more memory than its triangles. It is built when rays first need it, which is after simplification.
 
-use super::about::{
-    About, ModelFile, ScanSize, all_files, check_extent, first_of, left_of_scan_file, sizes, stated_unit,
+use super::corrections::{FileUnit, ScanOptions, added_vertices, corrected, into_metres, to_one_unit};
+use super::material::{Carried, is_plain};
+use super::size::{
+    ModelFile, ScanSize, all_files, check_distinct, check_extent, first_of, left_of_scan_file, named_by_file,
+    sizes, stated_unit,
 };
-use super::corrections::{
-    ScanOptions, added_vertices, compute_normals, from_metres, into_metres, is_in_unit,
-    note_contradicting_normals, set_green, turn_triangles,
-};
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 use taotie_engine::bake::{self, Remeshed, TexturedMesh, Visibility};
 use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::length::Unit;
 use taotie_engine::mesh::Mesh;
-use taotie_engine::names::Named;
 use taotie_engine::progress::Progress;
 use taotie_engine::scene::{Material, Scene, SceneData};
 use taotie_engine::surface::{Denoised, Noise, NoiseHandling};
-use taotie_io::{Bytes, HIGH_MARK, Limits, Objects, name_before, xmp_rights};
+use taotie_io::{Bytes, Limits, Objects, xmp_rights};
+
+/// The properties of a scan besides its triangles.
+#[derive(Debug)]
+pub(in crate::asset) struct About {
+    /// Its model files, which are one scan together; none in memory.
+    pub models: Vec<ModelFile>,
+    /// All files that it was read from, the model files first; empty in memory.
+    pub files: Vec<PathBuf>,
+    /// Bytes of all its files; 0 in memory.
+    pub bytes: u64,
+    pub copyright: Option<String>,
+    /// The XMP metadata of the file as a whole, JSON-LD.
+    pub xmp: Option<taotie_io::Json>,
+    /// Problems and omissions.
+    pub warnings: Warnings,
+    pub size: ScanSize,
+    pub carried: Carried,
+    /// The objects of its instances; none if its only file has no objects.
+    pub objects: Objects,
+    /// `true` if it specifies no colour and no material.
+    pub is_plain: bool,
+    /// `true` if its only file has animations, skins, morph targets or material variants, none of which a baked asset
+    /// has.
+    pub is_rigged: bool,
+    /// Why its only file can have only one level of detail if it is packed: motion, or its own levels.
+    pub one_level: Option<&'static str>,
+    /// How it is read; the unit is the metre for glTF unless the caller specifies another.
+    pub options: ScanOptions,
+}
+
+impl About {
+    /// Returns the properties of a scan in memory.
+    pub(super) fn of(scene: &Scene) -> Self {
+        let carried = Carried::of(scene);
+        let size = ScanSize::of(scene, carried.maps());
+        Self {
+            models: Vec::new(),
+            files: Vec::new(),
+            bytes: 0,
+            copyright: None,
+            xmp: None,
+            warnings: Warnings::default(),
+            size,
+            carried,
+            objects: Objects::default(),
+            is_plain: is_plain(scene),
+            is_rigged: false,
+            one_level: None,
+            options: ScanOptions::default(),
+        }
+    }
+
+    /// Returns the unit of the scan's coordinates; `None` if unknown.
+    pub fn unit(&self) -> Option<Unit> {
+        self.options.unit
+    }
+
+    /// Returns the path of the first model file; empty in memory.
+    pub fn path(&self) -> &Path {
+        self.models.first().map_or(Path::new(""), |model| &model.path)
+    }
+}
 
 /// The noise of a scan.
 pub(in crate::asset) struct ScanNoise {
@@ -145,27 +204,6 @@ impl ScanFile {
         self.about.models.first().map_or_else(|| "a model in memory".into(), name)
     }
 
-    /// Returns its objects as part of a scan of several files. Those without a name have that of the file; if the file's
-    /// name has the mark of a high-poly object, and none of theirs does, it is before all of theirs.
-    fn objects(&self) -> Objects {
-        let stem = self.about.models.first().map(ModelFile::stem).unwrap_or_default();
-        let mut objects = self.about.objects.clone();
-        if objects.of_instances.is_empty() {
-            let of_instances = vec![0; self.scene.instances().len()].into();
-            objects = Objects { names: vec![String::new()], of_instances };
-        }
-        let is_high = |name: &str| name_before(name, HIGH_MARK).is_some();
-        let is_marked = is_high(&stem) && !objects.names.iter().any(|name| is_high(name));
-        for name in &mut objects.names {
-            match name.is_empty() {
-                true => name.clone_from(&stem),
-                false if is_marked => *name = format!("{stem}_{name}"),
-                false => {}
-            }
-        }
-        objects
-    }
-
     /// Returns the limits that are left for further files.
     fn left_of(&self, limits: Limits) -> Limits {
         let ScanSize { triangles, .. } = self.about.size;
@@ -277,8 +315,9 @@ impl ScanFile {
     /// [`ScanOptions::check`].
     pub fn into_scan(self, progress: Progress<'_>) -> Result<Scan> {
         progress.begin("join the scan")?.apart(move |_| {
-            let Self { mut scene, mut about, limits } = self;
-            correct(&mut scene, &mut about)?;
+            let Self { scene, mut about, limits } = self;
+            let scene = corrected(scene, &about.options, &mut about.warnings)?;
+            about.size = ScanSize::of(&scene, about.carried.maps());
             let surface = Arc::new(bake::Scan::surface_of(scene)?);
             Ok(Scan {
                 surface,
@@ -489,9 +528,18 @@ impl std::fmt::Debug for Scan {
 /// Joins several files to one scan.
 fn join(mut files: Vec<ScanFile>, options: ScanOptions) -> Result<ScanFile> {
     check_distinct(files.iter().flat_map(|file| &file.about.models).map(|model| &model.path))?;
-    let unit = to_one_unit(&mut files, options.unit)?;
+    let of_files = files.iter_mut().map(|file| FileUnit {
+        name: file.name(),
+        stated: file.unit(),
+        scene: &mut file.scene,
+    });
+    let unit = to_one_unit(of_files.collect(), options.unit)?;
     let limits = files.first().map_or_else(Limits::default, |file| file.limits);
-    let objects = Objects::of_all(files.iter().map(ScanFile::objects));
+    let objects = files.iter().map(|ScanFile { scene, about, .. }| {
+        let stem = about.models.first().map(ModelFile::stem).unwrap_or_default();
+        named_by_file(about.objects.clone(), &stem, scene.instances().len())
+    });
+    let objects = Objects::of_all(objects);
     let copyright = rights(&files);
     let is_in_memory = files.iter().any(|file| file.about.models.is_empty());
     let (mut parts, mut warnings) = (SceneData::default(), Warnings::default());
@@ -526,50 +574,6 @@ fn join(mut files: Vec<ScanFile>, options: ScanOptions) -> Result<ScanFile> {
     Ok(ScanFile { scene, about, limits })
 }
 
-/// Refuses files of a scan that are the same.
-fn check_distinct<'a>(paths: impl IntoIterator<Item = &'a PathBuf>) -> Result<()> {
-    let mut known: BTreeMap<PathBuf, &PathBuf> = BTreeMap::new();
-    for path in paths {
-        // Reading reports the error of a file that does not exist.
-        let real = path.canonicalize().unwrap_or_else(|_| path.clone());
-        if let Some(other) = known.insert(real, path) {
-            let why = format!("it is the same file as {}; give each file of the scan once", other.display());
-            return Err(Error::invalid(path.display().to_string(), why));
-        }
-    }
-    Ok(())
-}
-
-/// Converts files that state their unit, and are thus in metres, to that of the others, and returns the unit of all.
-fn to_one_unit(files: &mut [ScanFile], given: Option<Unit>) -> Result<Option<Unit>> {
-    let (stated, others): (Vec<_>, Vec<_>) = files.iter_mut().partition(|file| file.unit().is_some());
-    let (Some(first), Some(other)) = (stated.first(), others.first()) else {
-        return Ok(given.or(stated.first().and_then(|file| file.unit())));
-    };
-    let Some(unit) = given else {
-        let why = format!(
-            "its unit is unknown, but {} is in metres, as its format states; state the unit of files like it with \
-             --unit, such as --unit mm, or --unit m if it is in metres too",
-            first.name()
-        );
-        return Err(Error::invalid(other.name(), why));
-    };
-    let bounds = others.iter().filter_map(|file| file.scene.bounds());
-    let diagonal = bounds.reduce(|all, own| all.united(&own)).map_or(0.0, |all| all.diagonal());
-    for file in stated {
-        if is_in_unit(&file.scene, unit, diagonal) {
-            let why = format!(
-                "its format is in metres, but its size suggests {unit}, as the other files of the scan are; scale it to \
-                 metres, or save it in a format without a unit, such as PLY",
-                unit = unit.name()
-            );
-            return Err(Error::invalid(file.name(), why));
-        }
-        from_metres(&mut file.scene, given)?;
-    }
-    Ok(given)
-}
-
 /// Returns the distinct rights notices of files.
 fn rights(files: &[ScanFile]) -> Option<String> {
     let mut known: Vec<String> = Vec::new();
@@ -578,17 +582,4 @@ fn rights(files: &[ScanFile]) -> Option<String> {
         known.extend(own.filter(|own| !known.contains(own)));
     }
     (!known.is_empty()).then(|| known.join("; "))
-}
-
-/// Corrects faults and gaps of a scan's file according to the options, and notes them.
-fn correct(scene: &mut Scene, about: &mut About) -> Result<()> {
-    let mut parts = std::mem::take(scene).into_data();
-    let unit = about.unit();
-    turn_triangles(&mut parts, unit, &mut about.warnings)?;
-    compute_normals(&mut parts, &about.options, &mut about.warnings)?;
-    note_contradicting_normals(&parts, unit, &mut about.warnings);
-    set_green(&mut parts, &about.options, &mut about.warnings);
-    *scene = Scene::new(parts)?;
-    about.size = ScanSize::of(scene, about.carried.maps());
-    Ok(())
 }

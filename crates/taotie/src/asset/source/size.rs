@@ -1,81 +1,18 @@
-//! The properties of a scan besides its triangles: its files, what no bake reads of them, and its size, which is the
-//! memory that its triangles and textures take, and the size of a map that preserves its detail.
+//! The files of a scan, with the contents that no bake reads, and its size: the memory that its triangles and textures
+//! take, and the size of a map that preserves its detail.
 
-use super::corrections::ScanOptions;
-use super::material::{Carried, is_plain};
+use super::material::is_plain;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use taotie_engine::bake::{Maps, lacks_tangents, texel_width};
 use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::image::Texture;
-use taotie_engine::length::Unit;
 use taotie_engine::math::scalar;
 use taotie_engine::mesh::Mesh;
 use taotie_engine::proof::{Footprint, edges};
 use taotie_engine::scene::{Instance, Scene};
 use taotie_engine::surface::tangent_bytes;
-use taotie_io::{FileHash, Loaded, Objects};
-
-/// The properties of a scan besides its triangles.
-#[derive(Debug)]
-pub(in crate::asset) struct About {
-    /// Its model files, which are one scan together; none in memory.
-    pub models: Vec<ModelFile>,
-    /// All files that it was read from, the model files first; empty in memory.
-    pub files: Vec<PathBuf>,
-    /// Bytes of all its files; 0 in memory.
-    pub bytes: u64,
-    pub copyright: Option<String>,
-    /// The XMP metadata of the file as a whole, JSON-LD.
-    pub xmp: Option<taotie_io::Json>,
-    /// Problems and omissions.
-    pub warnings: Warnings,
-    pub size: ScanSize,
-    pub carried: Carried,
-    /// The objects of its instances; none if its only file has no objects.
-    pub objects: Objects,
-    /// `true` if it specifies no colour and no material.
-    pub is_plain: bool,
-    /// `true` if its only file has animations, skins, morph targets or material variants, none of which a baked asset
-    /// has.
-    pub is_rigged: bool,
-    /// Why its only file can have only one level of detail if it is packed: motion, or its own levels.
-    pub one_level: Option<&'static str>,
-    /// How it is read; the unit is the metre for glTF unless the caller specifies another.
-    pub options: ScanOptions,
-}
-
-impl About {
-    /// Returns the properties of a scan in memory.
-    pub(super) fn of(scene: &Scene) -> Self {
-        let carried = Carried::of(scene);
-        let size = ScanSize::of(scene, carried.maps());
-        Self {
-            models: Vec::new(),
-            files: Vec::new(),
-            bytes: 0,
-            copyright: None,
-            xmp: None,
-            warnings: Warnings::default(),
-            size,
-            carried,
-            objects: Objects::default(),
-            is_plain: is_plain(scene),
-            is_rigged: false,
-            one_level: None,
-            options: ScanOptions::default(),
-        }
-    }
-
-    /// Returns the unit of the scan's coordinates; `None` if unknown.
-    pub fn unit(&self) -> Option<Unit> {
-        self.options.unit
-    }
-
-    /// Returns the path of the first model file; empty in memory.
-    pub fn path(&self) -> &Path {
-        self.models.first().map_or(Path::new(""), |model| &model.path)
-    }
-}
+use taotie_io::{FileHash, HIGH_MARK, Loaded, Objects, name_before};
 
 /// A model file of a scan.
 #[derive(Debug)]
@@ -340,6 +277,39 @@ pub(super) fn first_of(first: Vec<PathBuf>, mut others: Vec<PathBuf>) -> Vec<Pat
 /// Returns the total size of files.
 pub(super) fn sizes(files: &[PathBuf]) -> Result<u64> {
     files.iter().map(|file| taotie_io::file_size(file)).sum()
+}
+
+/// Refuses files of a scan that are the same.
+pub(super) fn check_distinct<'a>(paths: impl IntoIterator<Item = &'a PathBuf>) -> Result<()> {
+    let mut known: BTreeMap<PathBuf, &PathBuf> = BTreeMap::new();
+    for path in paths {
+        // Reading reports the error of a file that does not exist.
+        let real = path.canonicalize().unwrap_or_else(|_| path.clone());
+        if let Some(other) = known.insert(real, path) {
+            let why = format!("it is the same file as {}; give each file of the scan once", other.display());
+            return Err(Error::invalid(path.display().to_string(), why));
+        }
+    }
+    Ok(())
+}
+
+/// Returns the objects of a file as part of a scan of several, given its name without extension and its number of
+/// instances. Those without a name have that of the file; if the file's name has the mark of a high-poly object, and none
+/// of theirs does, it is before all of theirs.
+pub(super) fn named_by_file(mut objects: Objects, stem: &str, instances: usize) -> Objects {
+    if objects.of_instances.is_empty() {
+        objects = Objects { names: vec![String::new()], of_instances: vec![0; instances].into() };
+    }
+    let is_high = |name: &str| name_before(name, HIGH_MARK).is_some();
+    let is_marked = is_high(stem) && !objects.names.iter().any(|name| is_high(name));
+    for name in &mut objects.names {
+        match name.is_empty() {
+            true => stem.clone_into(name),
+            false if is_marked => *name = format!("{stem}_{name}"),
+            false => {}
+        }
+    }
+    objects
 }
 
 /// The minimum and maximum diagonal of a baked model, model units. Outside this range, fourth powers of edge lengths
