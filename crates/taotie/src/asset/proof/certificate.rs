@@ -226,7 +226,10 @@ impl Certificate {
         let names: Vec<String> = scan.models.iter().map(ModelFile::name).collect();
         let is_runnable = is_whole && !names.is_empty() && are_distinct(&names);
         let model = asset.files.first().filter(|_| is_runnable);
-        let command = model.map(|asset| command((&asset.name, &names), &scan.options, options, signature));
+        let command = model.map(|asset| {
+            let names = [std::slice::from_ref(&asset.name), &names].concat();
+            command(&names, &scan.options, options, signature)
+        });
         Ok(Self {
             verdict: Verdict::of(&required),
             required,
@@ -253,16 +256,17 @@ fn are_distinct(names: &[String]) -> bool {
     known.len() == names.len()
 }
 
-/// Returns the command that reproduces the certificate of an asset and the files of its scan; options with default
-/// values are omitted.
+/// Returns the command that reproduces a certificate, given the names of the asset and of its scan's files; options with
+/// default values are omitted.
 fn command(
-    names: (&str, &[String]),
+    names: &[String],
     reading: &ScanOptions,
     options: &VerifyOptions,
     signature: &Signature,
 ) -> String {
-    let ((asset, scan), usual) = (names, VerifyOptions::default());
-    let mut words = ["taotie", "verify", asset].map(str::to_owned).to_vec();
+    let Some((asset, scan)) = names.split_first() else { return String::new() };
+    let usual = VerifyOptions::default();
+    let mut words = ["taotie", "verify", asset.as_str()].map(str::to_owned).to_vec();
     words.extend(scan.iter().flat_map(|scan| ["--scan".to_owned(), scan.clone()]));
     words.extend(reading.arguments());
     let mut option = |name: &str, value: Option<String>| {
@@ -429,8 +433,8 @@ mod tests {
     #[test]
     fn the_command_has_what_differs_from_the_defaults() {
         let (plain, usual) = (ScanOptions::default(), VerifyOptions::default());
-        let scan = ["s.ply".to_owned()];
-        let bare = command(("a.glb", &scan), &plain, &usual, &Signature::default());
+        let named = |names: [&str; 2]| names.map(str::to_owned);
+        let bare = command(&named(["a.glb", "s.ply"]), &plain, &usual, &Signature::default());
         assert_eq!(bare, "taotie verify a.glb --scan s.ply -o a.report.html");
         let reading = ScanOptions {
             crease_angle_deg: Some(30.0),
@@ -441,13 +445,13 @@ mod tests {
         let options = VerifyOptions { points: 500, view: 96, requirements, ..usual };
         let signature =
             Signature { date: Some("1 May 2026".into()), operator: Some("E. O'Neill \"EO\"".into()) };
-        let full = command(("big jug.glb", &scan), &reading, &options, &signature);
+        let full = command(&named(["big jug.glb", "s.ply"]), &reading, &options, &signature);
         let wanted = "taotie verify \"big jug.glb\" --scan s.ply --crease-angle 30 --scan-green down \
                       --proof-points 500 --proof-view 96 --require standard --date \"1 May 2026\" \
                       --operator 'E. O'\\''Neill \"EO\"' -o \"big jug.report.html\"";
         assert_eq!(full, wanted);
-        let two = ["s.ply", "S.obj"].map(str::to_owned);
-        let of_two = command(("a.glb", &two), &plain, &VerifyOptions::default(), &Signature::default());
+        let two = ["a.glb", "s.ply", "S.obj"].map(str::to_owned);
+        let of_two = command(&two, &plain, &VerifyOptions::default(), &Signature::default());
         assert_eq!(of_two, "taotie verify a.glb --scan s.ply --scan S.obj -o a.report.html");
         assert!(are_distinct(&two) && !are_distinct(&["s.ply", "S.ply"].map(str::to_owned)));
     }
