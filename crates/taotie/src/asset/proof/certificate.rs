@@ -227,7 +227,7 @@ impl Certificate {
         let is_runnable = is_whole && !names.is_empty() && are_distinct(&names);
         let model = asset.files.first().filter(|_| is_runnable);
         let command = model.map(|asset| {
-            let names = [std::slice::from_ref(&asset.name), &names].concat();
+            let names = [std::slice::from_ref(&asset.name), &names[..]].concat();
             command(&names, &scan.options, options, signature)
         });
         Ok(Self {
