@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from . import _taotie
 from ._arrays import Array, PathLike, sides
 from ._error import invalid, warn
-from ._model import Model, _from_glb, scan_options
+from ._model import Model, _from_glb, scan_models, scan_options
 from ._model import model as a_model
 from ._options import Codecs, Map, Unit, check, takes
 from ._proof import Proof, VerifyOptions, measured
@@ -74,7 +74,7 @@ class Written:
 
         Parameters
         ----------
-        scan : path, Model, or a mesh of another package
+        scan : path, Model, or a mesh of another package; or a list of them
             The scan that was baked.
         **options
             See `VerifyOptions`.
@@ -88,7 +88,7 @@ class Written:
         >>> proof = asset.save("asset.glb", images="webp").verify(scan, points=1000, view=64)
         """
         check("Written.verify", options, VerifyOptions)
-        high = a_model(scan)._native
+        high = scan_models(scan)
         return measured(lambda chosen, run: self._native.verify(high, chosen, run), options)
 
     def report(self, proof: Proof | None = None, require: Sequence[str] = ()) -> dict[str, Any]:
@@ -252,7 +252,7 @@ class Asset:
 
         Parameters
         ----------
-        scan : path, Model, or a mesh of another package
+        scan : path, Model, or a mesh of another package; or a list of them
             The scan that was baked.
         **options
             See `VerifyOptions`. To measure another packing, save the asset and verify that.
@@ -337,8 +337,9 @@ def bake(
 
     Parameters
     ----------
-    scan : path, Model, or a mesh of another package
-        The high-poly scan.
+    scan : path, Model, or a mesh of another package; or a list of them
+        The high-poly scan. The models of a list are one scan: their surfaces are joined, each with its own materials.
+        Objects without a name have that of their file, so that ``lid_high.ply`` matches ``lid_low`` of `low`.
     low : path, Model, or a mesh of another package, optional
         The low-poly mesh; its UVs and triangles are kept. By default created from the scan.
     triangles : int, optional
@@ -501,9 +502,10 @@ def bake(
         "may_drop_goal": may_drop_goal,
         "memory_limit": memory_limit,
     }
-    high = a_model(scan)._native
+    high = scan_models(scan)
     if crease_angle is not None or scan_green != "auto" or unit is not None:
-        high = high.as_scan(scan_options(crease_angle, scan_green, unit))
+        reading = scan_options(crease_angle, scan_green, unit)
+        high = [part.as_scan(reading) for part in high] if isinstance(high, list) else high.as_scan(reading)
     with running(progress, threads, STAGES) as run:
         native = _taotie.bake(high, request, run)
     warn(native.warnings())

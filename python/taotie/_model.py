@@ -332,6 +332,13 @@ def load(
     return model
 
 
+def scan_models(scan: Any) -> _taotie.Model | list[_taotie.Model]:
+    """Return the native model of a scan, or those of a list of models that are one scan."""
+    if isinstance(scan, (list, tuple)):
+        return [model(part)._native for part in scan]
+    return model(scan)._native
+
+
 def model(thing: Any, material: Material | PathLike | None = None, bump_scale: float | None = None) -> Model:
     """Return a model from a path, a model, an asset, or a mesh of another package."""
     is_unchanged = material is None and bump_scale is None

@@ -16,7 +16,7 @@ import numpy.typing as npt
 from . import _taotie
 from ._arrays import path as a_path
 from ._error import NotMet, integer, warn
-from ._model import model as a_model
+from ._model import scan_models
 from ._options import check, takes
 from ._run import Progress, Running, log, running
 
@@ -307,7 +307,7 @@ def verify(asset: str | os.PathLike[str], scan: Any, **options: Unpack[VerifyOpt
     asset : path
         The asset (.gltf, .glb, .obj, .ply, .stl, .fbx), at the position of the scan: glTF in metres if the scan's unit is
         known, other formats in that unit.
-    scan : path, Model, or a mesh of another package
+    scan : path, Model, or a mesh of another package; or a list of them
         The scan that it should look like. It is read with the options of the bake, if the asset records them, unless
         it was loaded with other options.
     **options
@@ -325,7 +325,7 @@ def verify(asset: str | os.PathLike[str], scan: Any, **options: Unpack[VerifyOpt
     True
     """
     check("verify", options, VerifyOptions)
-    high, file = a_model(scan)._native, a_path("asset", asset)
+    high, file = scan_models(scan), a_path("asset", asset)
     return measured(lambda chosen, run: _taotie.verify(file, high, chosen, run), options)
 
 

@@ -38,6 +38,37 @@ def test_files_and_figures_are_those_of_the_command(scan_file: Path, tmp_path: P
     assert {key: made[key] for key in same} == {key: report[key] for key in same}
 
 
+def test_a_list_of_models_is_one_scan_as_for_the_command(scan_file: Path, tmp_path: Path, run) -> None:  # type: ignore[no-untyped-def]
+    vertices, faces = sphere(24, 12)
+    other = tmp_path / "lid_high.obj"
+    lines = ["v {} {} {}".format(*vertex) for vertex in 0.5 * vertices + (0, 1, 0)]
+    other.write_text("\n".join([*lines, *("f {} {} {}".format(*(face + 1)) for face in faces)]) + "\n")
+    out, own = tmp_path / "a" / "asset.glb", tmp_path / "b" / "asset.glb"
+    for path in (out, own):
+        path.parent.mkdir()
+    proof = ("--proof-points", 20_000, "--proof-view", 96)
+    run("bake", scan_file, other, "-o", out, "--triangles", 500, "--size", 64, "--unit", "mm", *proof)
+    parts = [scan_file, tt.load(other)]
+    asset = tt.bake(parts, triangles=500, size=64, unit="mm")
+    written = asset.save(own)
+    assert own.read_bytes() == out.read_bytes()
+    report = json.loads(out.with_suffix(".report.json").read_text())
+    assert [file["name"] for file in report["certificate"]["scan"]] == [scan_file.name, other.name]
+    assert tt.verify(own, parts, points=20_000, view=96).to_dict() == report["proof"]
+    in_mm = [tt.load(scan_file, unit="mm"), tt.load(other, unit="mm")]
+    proved = written.verify(in_mm, points=20_000, view=96)
+    assert written.report(proved)["certificate"] == report["certificate"]
+    with pytest.raises(tt.Error, match="different options"):
+        tt.bake([scan_file, in_mm[1]], triangles=500, size=64)
+    with pytest.raises(tt.Error, match="the same file as"):
+        tt.bake([scan_file, scan_file], triangles=500, size=64)
+    with pytest.raises(tt.Error, match="has no files"):
+        tt.bake([], triangles=500, size=64)
+    # A part in memory: there is no file to name.
+    mesh = tt.Mesh(0.5 * vertices + (0, 1, 0), faces)
+    assert tt.bake([scan_file, mesh], triangles=500, size=64).save(own).report()["high"] == ""
+
+
 def test_an_asset_describes_itself(asset: tt.Asset) -> None:
     assert len(asset.triangles) == 1 and 400 < asset.triangles[0] <= 600
     assert asset.size == (128, 128) and asset.counts["texels"] > 5000

@@ -22,7 +22,8 @@ pub struct ScanArgs {
     #[arg(long, value_enum, default_value_t = ScanGreen::Auto, hide_possible_values = true, value_name = "auto|up|down", help_heading = "Scan")]
     pub scan_green: ScanGreen,
     /// Unit of the scan's coordinates, even of a glTF that is not in metres. The asset is then in metres, as glTF
-    /// requires, and lengths in the proof have units [default: m for glTF and FBX, otherwise unknown]
+    /// requires, and lengths in the proof have units. If a scan has files that state their unit (glTF, FBX) and others,
+    /// it is the unit of the others, and required [default: m for glTF and FBX, otherwise unknown]
     #[arg(long, value_name = "mm|cm|m|in", value_parser = named::<Unit>, help_heading = "Scan")]
     pub unit: Option<Unit>,
 }

@@ -28,9 +28,9 @@ pub struct VerifyArgs {
     /// known, other formats in that unit. All of its levels of detail are compared
     pub asset: PathBuf,
     /// The high-poly scan (.gltf, .glb, .obj, .ply, .stl, .fbx). It is read as it was for the bake, if the asset records
-    /// that; scan options override the record
-    #[arg(long, value_name = "SCAN")]
-    pub scan: PathBuf,
+    /// that; scan options override the record. May be repeated for a scan of several files
+    #[arg(long, value_name = "SCAN", required = true)]
+    pub scan: Vec<PathBuf>,
     /// The page to write (.html), with its figures as .json next to it
     #[arg(short, long, value_name = "OUT.html")]
     pub output: Option<PathBuf>,
@@ -68,14 +68,14 @@ pub fn run(args: &VerifyArgs) -> Result<Outcome> {
 /// Reads the scan as the options specify, otherwise as the asset records it.
 fn read_scan(args: &VerifyArgs, limits: &Limits, progress: Progress<'_>) -> Result<Scan> {
     let options = args.reading.options().or(ScanOptions::recorded(&args.asset, limits)?);
-    let file = ScanFile::read(&args.scan, limits, progress)?.with_options(options);
+    let file = ScanFile::read_all(&args.scan, options, limits, progress)?;
     Requirement::check_unit(&args.proof.requirements(), file.unit())?;
     Ok(file.into_scan(progress)?)
 }
 
 fn verify(args: &VerifyArgs) -> Result<Report> {
     let files = stop::files();
-    files.protect([&args.asset, &args.scan])?;
+    files.protect(args.scan.iter().chain([&args.asset]))?;
     let pages: Vec<PathBuf> =
         args.output.iter().flat_map(|html| [html.clone(), html.with_extension("json")]).collect();
     pages.iter().try_for_each(|path| files.claim(path))?;

@@ -12,7 +12,7 @@ use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
-use taotie::asset::{Scan, ScanFile, ScanOptions, into_metres, model_unit};
+use taotie::asset::{Scan, ScanFile, ScanOptions, model_unit};
 use taotie::{Bytes, Warning};
 use taotie_engine::length::Unit;
 use taotie_engine::math::SimdLevel;
@@ -22,7 +22,7 @@ use taotie_engine::render::{
 use taotie_engine::scene::Scene;
 use taotie_engine::shade::Shading;
 use taotie_engine::{Progress, Warnings};
-use taotie_io::{FileSet, load_model_within, read_bytes};
+use taotie_io::{FileSet, read_bytes};
 use taotie_report::viewer::{self, Bookmark, FolderFiles, PageFile, ScanSubject, Subject, Viewer};
 
 const EXAMPLES: &str = "\
@@ -53,9 +53,10 @@ pub struct ViewArgs {
     /// the Presentation API, `manifest-3.json` for version 3
     #[arg(long, value_name = "URL", requires = "folder", value_parser = web_address)]
     pub address: Option<String>,
-    /// The scan of the model: the page shows the measured error on the model, but no part of the scan
+    /// The scan of the model: the page shows the measured error on the model, but no part of the scan. May be repeated
+    /// for a scan of several files
     #[arg(long, value_name = "SCAN")]
-    pub scan: Option<PathBuf>,
+    pub scan: Vec<PathBuf>,
     /// Put the scan itself into the page, shown next to the model under a wipe
     #[arg(long, requires = "scan")]
     pub publish_scan: bool,
@@ -172,7 +173,7 @@ impl ViewArgs {
 }
 
 /// Version of the JSON that `--json` prints.
-const SCHEMA: u32 = 1;
+const SCHEMA: u32 = 2;
 
 /// Returns the memory of a page: the scene with its instances placed, and its copies as written, compressed, and as
 /// text.
@@ -233,11 +234,10 @@ fn viewer(args: &ViewArgs, files: &FileSet, warnings: &mut Warnings) -> Result<V
     let prepared = Prepared::new(loaded.scene, &best).with_context(|| args.model.display().to_string())?;
     warnings.absorb(prepared.warnings().clone());
     let is_in_metres = unit == Some(Unit::Metre);
-    let scan = args
-        .scan
-        .as_deref()
-        .map(|path| ShownScan::read(ScanOfModel { path, is_in_metres }, args, files, warnings));
-    let scan = scan.transpose()?;
+    let scan = match args.scan.is_empty() {
+        true => None,
+        false => Some(ShownScan::read(is_in_metres, args, files, warnings)?),
+    };
     let viewpoint = Viewpoint::choose(&args.camera, FRAMING, prepared.scene())?;
     let view = viewpoint.at(0.0);
     let viewer = Viewer::new(&Subject {
@@ -264,33 +264,20 @@ struct ShownScan {
     published: Option<Prepared>,
 }
 
-/// The file of a scan whose model is shown.
-struct ScanOfModel<'a> {
-    path: &'a Path,
-    /// `true` if the model is in metres.
-    is_in_metres: bool,
-}
-
 impl ShownScan {
     /// Reads the scan of a model as the options specify, otherwise as the model records it; in metres if the model
     /// is.
-    fn read(
-        of_model: ScanOfModel<'_>,
-        args: &ViewArgs,
-        files: &FileSet,
-        warnings: &mut Warnings,
-    ) -> Result<Self> {
-        let ScanOfModel { path, is_in_metres } = of_model;
-        let (limits, what) = (args.limits.limits(), path.display().to_string());
-        let mut loaded = load_model_within(path, &limits).context("--scan")?;
-        let mut options = args.reading.options().or(ScanOptions::recorded(&args.model, &limits)?);
+    fn read(is_in_metres: bool, args: &ViewArgs, files: &FileSet, warnings: &mut Warnings) -> Result<Self> {
+        let limits = args.limits.limits();
+        let what = args.scan.first().map_or_else(String::new, |path| path.display().to_string());
+        let options = args.reading.options().or(ScanOptions::recorded(&args.model, &limits)?);
+        let mut file =
+            ScanFile::read_all(&args.scan, options, &limits, Progress::SILENT).context("--scan")?;
         if is_in_metres {
-            into_metres(&mut loaded.scene, options.unit).with_context(|| what.clone())?;
-            options.unit = options.unit.map(|_| Unit::Metre);
+            file = file.into_metres().with_context(|| what.clone())?;
         }
-        files.protect(&loaded.files)?;
-        let scene = args.publish_scan.then(|| loaded.scene.clone());
-        let file = ScanFile::from_loaded(loaded, path, &limits)?.with_options(options);
+        files.protect(file.files())?;
+        let scene = args.publish_scan.then(|| file.scene().clone());
         let scan = file.into_scan(Progress::SILENT)?;
         warnings.absorb(scan.warnings().clone());
         let Some(scene) = scene else {
@@ -357,8 +344,8 @@ struct Report {
     model: String,
     /// The names of the written files, the page first.
     files: Vec<String>,
-    /// The name of the scan's file; `None` without a scan.
-    scan: Option<String>,
+    /// The names of the scan's files, without folders; empty without a scan.
+    scan: Vec<String>,
     /// The environment; `None` without one.
     environment: Option<EnvironmentReport>,
     /// Problems and corrections.
@@ -371,7 +358,7 @@ fn report(args: &ViewArgs, written: &[PathBuf], warnings: &Warnings) -> Report {
         version: env!("CARGO_PKG_VERSION"),
         model: console::name_of(&args.model),
         files: written.iter().map(|path| console::name_of(path)).collect(),
-        scan: args.scan.as_deref().map(console::name_of),
+        scan: args.scan.iter().map(|path| console::name_of(path)).collect(),
         environment: args.light.environment_report(),
         warnings: warnings.list(),
     }

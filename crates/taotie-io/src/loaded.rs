@@ -176,4 +176,15 @@ impl Objects {
         let of_instances = instances.into_iter().map(number).collect();
         Self { names, of_instances }
     }
+
+    /// Returns the objects of several scenes in one.
+    pub fn of_all(parts: impl IntoIterator<Item = Self>) -> Self {
+        let (mut names, mut of_instances) = (Vec::new(), Vec::new());
+        for part in parts {
+            let first = names.len() as u32;
+            of_instances.extend(part.of_instances.iter().map(|object| first + object));
+            names.extend(part.names);
+        }
+        Self { names, of_instances: of_instances.into() }
+    }
 }

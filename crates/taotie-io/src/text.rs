@@ -205,6 +205,11 @@ pub(super) fn line_ends(text: &[u8]) -> usize {
     text.chunks(COUNTED).map(|few| usize::from(ends(few))).sum()
 }
 
+/// The part of a name that marks an object of a low-poly mesh.
+pub const LOW_MARK: &str = "_low";
+/// The part of a name that marks an object of a scan.
+pub const HIGH_MARK: &str = "_high";
+
 /// Returns what is before the last `mark` in a name, in lower case, if `mark` ends a word there: `wheel` for `_low` in
 /// `Wheel_low.001`; `None` in `wheel_lower`.
 pub fn name_before(name: &str, mark: &str) -> Option<String> {

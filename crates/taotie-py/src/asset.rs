@@ -2,7 +2,7 @@
 
 use crate::arrays;
 use crate::error::{exception, no_json};
-use crate::model::Model;
+use crate::model::{Model, ScanModels};
 use crate::options::Options;
 use crate::work::{self, Listed, Running};
 use pyo3::prelude::*;
@@ -62,15 +62,15 @@ pub struct Asset {
     asset: taotie::asset::Asset,
 }
 
-/// Bakes a model.
+/// Bakes the models of a scan.
 #[pyfunction]
-pub fn bake(py: Python<'_>, model: &Model, request: BakeRequest, running: Running) -> PyResult<Asset> {
+pub fn bake(py: Python<'_>, models: ScanModels, request: BakeRequest, running: Running) -> PyResult<Asset> {
     let (options, memory_limit) = request.read()?;
     work::run(py, &running, |progress| {
         let memory = memory_limit.as_deref().map(str::parse).transpose()?;
         let limits = Limits { memory, ..Limits::default() }.or_free();
         options.check()?;
-        let scan = model.scan(progress)?;
+        let scan = models.scan(progress)?;
         let asset = Baker::new(options).with_limits(limits).bake(&scan, progress)?;
         Ok(Asset { asset })
     })
@@ -169,15 +169,10 @@ impl Written {
         work::listed(self.written.warnings())
     }
 
-    /// Reads the asset back and measures how far it is from the model: figures, error maps, warnings.
-    fn verify<'py>(
-        &self,
-        model: &Bound<'py, Model>,
-        request: Options,
-        running: Running,
-    ) -> PyResult<Bound<'py, PyDict>> {
-        measured(model, request, &running, |high, options, progress| {
-            self.written.verify(high.scan(progress)?, options, progress)
+    /// Reads the asset back and measures how far it is from the scan: figures, error maps, warnings.
+    fn verify(&self, models: ScanModels, request: Options, running: Running) -> PyResult<Py<PyDict>> {
+        measured(request, &running, |options, progress| {
+            self.written.verify(models.scan(progress)?, options, progress)
         })
     }
 
@@ -209,30 +204,30 @@ pub struct Proved {
     options: Options,
 }
 
-/// Reads an asset's file and measures how far it is from the model: figures, error maps, warnings.
+/// Reads an asset's file and measures how far it is from the scan: figures, error maps, warnings.
 #[pyfunction]
-pub fn verify<'py>(
+pub fn verify(
     asset: PathBuf,
-    model: &Bound<'py, Model>,
+    models: ScanModels,
     request: Options,
     running: Running,
-) -> PyResult<Bound<'py, PyDict>> {
-    measured(model, request, &running, |high, options, progress| {
-        taotie::asset::verify(&asset, high.scan_of(&asset, progress)?, options, progress)
+) -> PyResult<Py<PyDict>> {
+    measured(request, &running, |options, progress| {
+        taotie::asset::verify(&asset, models.scan_of(&asset, progress)?, options, progress)
     })
 }
 
-/// Runs a proof against a model, and returns its results.
-fn measured<'py>(
-    model: &Bound<'py, Model>,
+/// Runs a proof, and returns its results.
+fn measured(
     request: Options,
     running: &Running,
-    verify: impl FnOnce(&Model, &VerifyOptions, Progress<'_>) -> Result<Proof> + Send,
-) -> PyResult<Bound<'py, PyDict>> {
+    verify: impl FnOnce(&VerifyOptions, Progress<'_>) -> Result<Proof> + Send,
+) -> PyResult<Py<PyDict>> {
     let options = request.read::<VerifyOptions>()?;
-    let (py, high) = (model.py(), model.get());
-    let proof = work::run(py, running, |progress| verify(high, &options, progress))?;
-    results(py, &proof)
+    Python::attach(|py| {
+        let proof = work::run(py, running, |progress| verify(&options, progress))?;
+        Ok(results(py, &proof)?.unbind())
+    })
 }
 
 /// Returns the results of a proof.

@@ -59,6 +59,62 @@ pub struct Model {
     scan: Mutex<Option<Scan>>,
 }
 
+/// The models of a scan.
+#[derive(FromPyObject)]
+pub enum ScanModels {
+    One(Py<Model>),
+    Several(Vec<Py<Model>>),
+}
+
+impl ScanModels {
+    /// Returns the scan, read with the options that its models were loaded with.
+    pub fn scan(&self, progress: Progress<'_>) -> taotie_engine::Result<Scan> {
+        self.read_as(self.options()?, progress)
+    }
+
+    /// Returns the scan, read with the options of the asset's bake unless its models have their own.
+    pub fn scan_of(&self, asset: &Path, progress: Progress<'_>) -> taotie_engine::Result<Scan> {
+        let (options, limits) = (self.options()?, self.limits());
+        self.read_as(options.or(ScanOptions::recorded(asset, &limits)?), progress)
+    }
+
+    fn read_as(&self, options: ScanOptions, progress: Progress<'_>) -> taotie_engine::Result<Scan> {
+        match self {
+            Self::One(model) if model.get().scan_options == options => model.get().scan(progress),
+            Self::One(model) => model.get().read_as(options).scan(progress),
+            Self::Several(models) => {
+                let files = models.iter().map(|model| model.get().scan_file());
+                ScanFile::joined(files.collect::<taotie_engine::Result<_>>()?, options)?.into_scan(progress)
+            }
+        }
+    }
+
+    fn all(&self) -> &[Py<Model>] {
+        match self {
+            Self::One(model) => std::slice::from_ref(model),
+            Self::Several(models) => models,
+        }
+    }
+
+    fn limits(&self) -> Limits {
+        self.all().first().map_or_else(Limits::default, |model| model.get().limits)
+    }
+
+    /// Returns the options that all models were loaded with.
+    fn options(&self) -> taotie_engine::Result<ScanOptions> {
+        let mut options = self.all().iter().map(|model| model.get().scan_options);
+        let first = options.next().unwrap_or_default();
+        match options.all(|other| other == first) {
+            true => Ok(first),
+            false => Err(Error::invalid(
+                "the scan",
+                "its models were loaded with different options; give unit, crease_angle and scan_green for all to bake \
+                 instead, or load all with the same",
+            )),
+        }
+    }
+}
+
 /// Reads a model and applies the requested material options.
 #[pyfunction]
 pub fn load(py: Python<'_>, path: PathBuf, request: ModelRequest<'_>, running: Running) -> PyResult<Model> {
@@ -98,22 +154,20 @@ impl Model {
     }
 
     /// Returns the scan, which is created only once.
-    pub fn scan(&self, progress: Progress<'_>) -> taotie_engine::Result<Scan> {
+    fn scan(&self, progress: Progress<'_>) -> taotie_engine::Result<Scan> {
         let mut kept = self.scan.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(scan) = &*kept {
             return Ok(scan.clone());
         }
-        let file = match &self.path {
-            Some(path) => ScanFile::from_loaded(self.loaded.clone(), path, &self.limits)?,
-            None => ScanFile::from_scene(self.loaded.scene.clone())?,
-        };
-        Ok(kept.insert(file.with_options(self.scan_options).into_scan(progress)?).clone())
+        Ok(kept.insert(self.scan_file()?.with_options(self.scan_options).into_scan(progress)?).clone())
     }
 
-    /// Returns the scan, read with the options of the asset's bake unless the model has its own options.
-    pub fn scan_of(&self, asset: &Path, progress: Progress<'_>) -> taotie_engine::Result<Scan> {
-        let options = self.scan_options.or(ScanOptions::recorded(asset, &self.limits)?);
-        if options == self.scan_options { self.scan(progress) } else { self.read_as(options).scan(progress) }
+    /// Returns it as a file of a scan.
+    fn scan_file(&self) -> taotie_engine::Result<ScanFile> {
+        match &self.path {
+            Some(path) => ScanFile::from_loaded(self.loaded.clone(), path, &self.limits),
+            None => ScanFile::from_scene(self.loaded.scene.clone()),
+        }
     }
 
     /// Returns scene and scan in the space of a model that was baked from this one, which is in metres if it records

@@ -52,21 +52,13 @@ impl Joined {
     /// Adds meshes, materials and textures; returns the first mesh and the first material.
     fn store(&mut self, loaded: &Loaded) -> [usize; 2] {
         let all = &mut self.data;
-        let [mesh, material, texture] = [all.meshes.len(), all.materials.len(), all.textures.len()];
-        let part = loaded.scene.clone().into_data();
-        all.meshes.extend(part.meshes);
-        all.textures.extend(part.textures);
-        all.materials.extend(part.materials.into_iter().map(|mut material| {
-            material.retain_textures(|used| {
-                used.texture += texture;
-                true
-            });
-            material
-        }));
+        let start = [all.meshes.len(), all.materials.len()];
+        let (instances, lights, cameras) = (Vec::new(), Vec::new(), Vec::new());
+        all.append(SceneData { instances, lights, cameras, ..loaded.scene.clone().into_data() });
         self.mesh_names.extend(loaded.mesh_names.iter().cloned());
         self.mesh_names.resize(all.meshes.len(), String::new());
         self.warnings.absorb(loaded.warnings.clone());
-        [mesh, material]
+        start
     }
 
     /// Adds instances, lights and cameras.

@@ -22,6 +22,7 @@ Examples:
   taotie bake scan.ply -o scan.glb
   taotie bake scan.ply --low low.glb -o baked.glb --size 4096 --maps normal,ao
   taotie bake scan.ply --low low.glb -o normal.png
+  taotie bake lid_high.ply body_high.ply --low low.glb -o vase.glb
   taotie bake scan.ply -o scan.glb --triangles 150000 --lods 50000,64px --meshopt
   taotie bake scan.ply -o scan.glb --preset web --max-gpu-memory 64MB
   taotie bake scan.ply -o scan.glb --error 0.9 --require standard,bytes=3MB
@@ -34,8 +35,11 @@ state its normal error in degrees, its shape error, and where they occur.";
 #[derive(Args)]
 #[command(before_help = EXAMPLES)]
 pub struct BakeArgs {
-    /// The high-poly scan (.gltf, .glb, .obj, .ply, .stl, .fbx)
-    pub high: PathBuf,
+    /// The high-poly scan (.gltf, .glb, .obj, .ply, .stl, .fbx). Several files in one place are one scan: their surfaces
+    /// are joined, each with its own materials. Objects without a name have that of their file, so that lid_high.ply
+    /// matches lid_low of --low
+    #[arg(required = true)]
+    pub high: Vec<PathBuf>,
     /// The asset to write: .glb, or .gltf with its files next to it. A .png, .tiff, .exr, .tga, .dds or .webp gets only the maps, for a
     /// --low with UVs: the first (by default the normal map) in OUT, the others next to it, such as OUT.ao.png.
     /// OUT.<UDIM>.png gets a set of maps for each UDIM tile

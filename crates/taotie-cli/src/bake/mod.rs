@@ -35,7 +35,7 @@ fn bake(args: &BakeArgs, files: &FileSet) -> Result<Report> {
     let progress = Progress::new(&listener);
     let limits = args.limits();
     let baker = Baker::new(args.options()).with_limits(limits).with_files(files);
-    let file = ScanFile::read(&args.high, &limits, progress)?.with_options(args.scan.options());
+    let file = ScanFile::read_all(&args.high, args.scan.options(), &limits, progress)?;
     Requirement::check_unit(&args.proof.requirements(), file.unit())?;
     check_memory(args, &baker.need(file.size()), limits)?;
     if let Some(schedule) = Schedule::of(baker.options(), file.size(), args.is_packed()) {

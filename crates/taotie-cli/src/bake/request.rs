@@ -68,8 +68,8 @@ impl BakeArgs {
 
     /// Returns the files to read.
     fn inputs(&self) -> impl Iterator<Item = &PathBuf> {
-        let meshes = [Some(&self.high), self.low.as_ref(), self.cage.as_ref()];
-        meshes.into_iter().chain([self.skew_mask(), self.provenance.as_ref()]).flatten()
+        let others = [self.low.as_ref(), self.cage.as_ref(), self.skew_mask(), self.provenance.as_ref()];
+        self.high.iter().chain(others.into_iter().flatten())
     }
 
     /// Returns the mask of skew correction.

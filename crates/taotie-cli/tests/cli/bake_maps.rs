@@ -9,7 +9,7 @@ use taotie_engine::image::{Bitmap, Encoding, Texels};
 use taotie_io::read_bitmap;
 
 /// Returns several balls as one OBJ file, each an object with a material of the same name.
-fn together(balls: &[(&str, Ball)]) -> String {
+pub fn together(balls: &[(&str, Ball)]) -> String {
     let mut text = String::new();
     let mut before = [0; 3];
     for (name, ball) in balls {
@@ -46,7 +46,7 @@ fn note<'a>(report: &'a Value, map: &str) -> &'a Value {
     notes.find(|note| note["map"] == map).unwrap_or_else(|| panic!("no {map} in {report}"))
 }
 
-fn picture(place: &Place, name: &str) -> Bitmap {
+pub fn picture(place: &Place, name: &str) -> Bitmap {
     read_bitmap(&place.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 

@@ -67,6 +67,8 @@ fn scan_and_low(place: &Place) {
     place.write("low.obj", LOW.obj());
     let mesh = |name: &str| load_model(place.path(name)).expect("it is sound").scene.meshes()[0].clone();
     place.write("scan.ply", ply(&mesh("ball.obj")));
+    place.write("body_high.ply", ply(&mesh("ball.obj")));
+    place.write("lid_high.ply", ply(&mesh("low.obj")));
     let normals = read_bitmap(&place.path("normals.png")).expect("it is a picture");
     let material = GltfMaterial { normal_map: Some((&normals).into()), ..GltfMaterial::default() };
     let levels = [&mesh("low.obj")];

@@ -13,6 +13,7 @@ mod bake_maps;
 mod bake_page;
 mod bake_pairs;
 mod bake_scan;
+mod bake_several;
 mod balls;
 mod certificate;
 mod compare;

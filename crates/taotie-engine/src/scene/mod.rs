@@ -169,6 +169,28 @@ impl Scene {
 }
 
 impl SceneData {
+    /// Adds all parts of `more`, whose indices are shifted to follow those of this scene.
+    pub fn append(&mut self, more: Self) {
+        let [mesh, material, texture] = [self.meshes.len(), self.materials.len(), self.textures.len()];
+        self.meshes.extend(more.meshes);
+        self.textures.extend(more.textures);
+        self.materials.extend(more.materials.into_iter().map(|mut material| {
+            material.retain_textures(|used| {
+                used.texture += texture;
+                true
+            });
+            material
+        }));
+        let placed = more.instances.into_iter();
+        self.instances.extend(placed.map(|instance| Instance {
+            mesh: instance.mesh + mesh,
+            material: instance.material + material,
+            ..instance
+        }));
+        self.lights.extend(more.lights);
+        self.cameras.extend(more.cameras);
+    }
+
     /// Checks that it forms a valid scene. Takes time for instances, materials and cameras, but not for the arrays of
     /// meshes, which are already validated.
     ///
@@ -266,6 +288,25 @@ mod tests {
         assert!(factor(|m| m.alpha = AlphaMode::Mask(-0.1)).contains("alpha cutoff"));
         let mut scene = Scene::new(sound()).unwrap();
         assert!(scene.edit(|scene| scene.materials[0].ior = 0.0).is_ok() && scene.materials()[0].ior == 0.0);
+    }
+
+    #[test]
+    fn appended_parts_refer_to_their_own() {
+        let mut scene = sound();
+        scene.append(SceneData { materials: vec![Material::default(); 2], ..SceneData::default() });
+        scene.append(SceneData {
+            textures: vec![Texture::new(
+                Bitmap::new(1, 1, 3, Texels::U8(vec![[7; 4]])).unwrap(),
+                Encoding::Linear,
+            )],
+            ..sound()
+        });
+        let scene = Scene::new(scene).unwrap();
+        let [first, second] = scene.instances() else { panic!("two instances") };
+        assert_eq!([first.mesh, first.material], [0, 0]);
+        assert_eq!([second.mesh, second.material], [1, 3]);
+        let map = scene.materials()[3].base_color_texture.unwrap();
+        assert_eq!(scene.textures()[map.texture].encoding(), Encoding::Linear, "its own texture");
     }
 
     #[test]

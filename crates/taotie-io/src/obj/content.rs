@@ -1,7 +1,7 @@
 //! The content of an OBJ file, as stored: its arrays, its faces with their corners, and the objects and groups that
 //! name them.
 
-use super::super::text::{Words, name_before, quote};
+use super::super::text::{HIGH_MARK, LOW_MARK, Words, name_before, quote};
 use std::collections::HashMap;
 use taotie_engine::math::{Vec2, Vec3};
 
@@ -136,7 +136,7 @@ impl Marks {
     /// (`wheel_low`, `wheel_high`), so that each must be a mesh; empty if faces of one material are one mesh.
     pub fn kept_apart(&self) -> Vec<u32> {
         let is_for_baking =
-            |mark: &Mark| ["_low", "_high"].iter().any(|end| name_before(&mark.name, end).is_some());
+            |mark: &Mark| [LOW_MARK, HIGH_MARK].iter().any(|end| name_before(&mark.name, end).is_some());
         if !self.chosen().iter().any(is_for_baking) {
             return Vec::new();
         }

@@ -101,13 +101,12 @@ pub(super) fn packets(root: &Value) -> Vec<Value> {
     packets
 }
 
-/// The origin of a model: its source, the program and the parameters.
+/// The origin of a model: its sources, the program and the parameters.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Provenance<'a> {
-    /// The file name of the source, without the folder; empty if it is not a file, in which case it is omitted.
-    pub source: &'a str,
-    /// The SHA-256 of the source's bytes, in hexadecimal.
-    pub sha256: &'a str,
+    /// The file name of each source, without the folder, and the SHA-256 of its bytes, in hexadecimal; empty if the
+    /// source is not a file.
+    pub sources: &'a [[&'a str; 2]],
     /// The program and its version, such as `taotie 0.1.0`.
     pub tool: &'a str,
     /// The parameters of the run, such as the command line.
@@ -116,15 +115,15 @@ pub struct Provenance<'a> {
 
 impl Provenance<'_> {
     /// Returns the packet of a model made from a source with `packet`, if any. Everything in the source's packet is
-    /// preserved; added are another `dc:source` (name and hash), another event in `xmpMM:History` (tool and
+    /// preserved; added are a `dc:source` (name and hash) for each file, another event in `xmpMM:History` (tool and
     /// parameters), and `xmp:CreatorTool` if missing.
     ///
     /// Ordered lists of anything but text become `rdf:Seq`, which is equivalent and is displayed by other programs.
     pub fn extend(&self, packet: Option<&Json>) -> Json {
         let mut packet = packet.and_then(|packet| packet.0.as_object()).cloned().unwrap_or_default();
         extend_context(packet.entry("@context").or_insert(Value::Null));
-        if !self.source.is_empty() {
-            append_source(&mut packet, format!("{} (sha256:{})", self.source, self.sha256));
+        for [name, sha256] in self.sources {
+            append_source(&mut packet, format!("{name} (sha256:{sha256})"));
         }
         append_event(&mut packet, self.event());
         packet.entry("xmp:CreatorTool").or_insert_with(|| self.tool.into());
@@ -268,7 +267,7 @@ mod tests {
     }
 
     const OURS: Provenance<'_> =
-        Provenance { source: "jug.glb", sha256: "00ff", tool: "taotie 1.2", parameters: "bake --size 2048" };
+        Provenance { sources: &[["jug.glb", "00ff"]], tool: "taotie 1.2", parameters: "bake --size 2048" };
 
     fn extended(packet: Value) -> Value {
         OURS.extend(Some(&Json(packet))).0

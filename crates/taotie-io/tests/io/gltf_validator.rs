@@ -55,7 +55,7 @@ fn every_kind_of_file_is_valid() {
     let one = [&fine];
     let several = [&fine, &coarse];
     let large = [&large];
-    let xmp = Provenance { source: "jug.ply", sha256: "00", tool: "a tool", parameters: "" }.extend(None);
+    let xmp = Provenance { sources: &[["jug.ply", "00"]], tool: "a tool", parameters: "" }.extend(None);
     let cases: [(&[&Mesh], GltfMaterial); 6] = [
         (&one, GltfMaterial::default()),
         (&one, plain),

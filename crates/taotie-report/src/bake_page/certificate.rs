@@ -39,6 +39,11 @@ pub fn statement(certificate: &Certificate, judge: Judge) -> Statement {
             Some(_) => "To recompute this certificate and the `proof` section of the JSON report, byte for byte, run this in a \
                         folder containing the files above:"
                 .into(),
+            None if certificate.scan_models > 1 => {
+                "No command recomputes this certificate: a model file lacks some of the compared data, or files of the \
+                 scan have the same name."
+                    .into()
+            }
             None => "This certificate cannot be recomputed from a model file, which lacks some of the compared data."
                 .into(),
         },
@@ -82,6 +87,11 @@ fn verdict(certificate: &Certificate, judge: Judge) -> Notice {
 
 fn facts(certificate: &Certificate) -> Vec<Fact> {
     let name = |files: &[HashedFile]| files.first().map_or("in memory".to_owned(), |file| file.name.clone());
+    let more = match certificate.scan_models {
+        0 | 1 => String::new(),
+        2 => " and 1 more file".into(),
+        all => format!(" and {} more files", all - 1),
+    };
     let levels: Vec<String> = certificate.triangles.iter().map(|count| grouped(*count as u64)).collect();
     let options = &certificate.options;
     let images = format!(
@@ -91,7 +101,7 @@ fn facts(certificate: &Certificate) -> Vec<Fact> {
         options.view
     );
     let mut facts = vec![
-        Fact::new("Scan", name(&certificate.scan)),
+        Fact::new("Scan", name(&certificate.scan) + &more),
         Fact::new("Triangles of the scan", grouped(certificate.scan_triangles as u64)),
         Fact::new("Asset", name(&certificate.asset)),
         Fact::new("Triangles of the asset", levels.join("; ")),
@@ -294,10 +304,11 @@ fn rows_of_files(certificate: &Certificate) -> Vec<Vec<Cell>> {
         let bytes = Cell::Number { value: map.bytes.map(|bytes| bytes as f64), digits: 0 };
         vec![Cell::text(format!("map: {uses}")), Cell::text(name), bytes, hash]
     };
-    let Certificate { scan, asset, maps, .. } = certificate;
+    let Certificate { scan, scan_models, asset, maps, .. } = certificate;
     let models = own("scan", scan).into_iter().chain(own("asset", asset));
     let of_asset = asset.iter().skip(1).map(|file| row("asset, part".into(), file));
-    let of_scan = scan.iter().skip(1).map(|file| row("scan, part".into(), file));
+    let kind = |number: usize| if number < *scan_models { "scan" } else { "scan, part" };
+    let of_scan = scan.iter().enumerate().skip(1).map(|(number, file)| row(kind(number).into(), file));
     models.chain(of_asset).chain(maps.iter().map(map)).chain(of_scan).collect()
 }
 

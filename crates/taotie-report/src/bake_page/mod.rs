@@ -76,7 +76,7 @@ fn of(report: &Report, proof: &Proof, (asset, judge): (Option<&Asset>, Judge)) -
     sections.extend(warnings(report, proof));
     let is_packed = report.trials.iter().any(|trial| trial.is_chosen && trial.is_scan);
     Ok(Page {
-        title: report.high.clone(),
+        title: name_of_scan(report),
         subtitle: match report.bake {
             Some(_) if is_packed => "The scan, and the same scan packed into a smaller file".into(),
             Some(_) => "The scan and the low-poly asset made from it".into(),
@@ -92,6 +92,15 @@ fn of(report: &Report, proof: &Proof, (asset, judge): (Option<&Asset>, Judge)) -
         ),
         ..Page::default()
     })
+}
+
+/// Returns the name of the scan's file, and the number of others.
+fn name_of_scan(report: &Report) -> String {
+    match report.high_others.len() {
+        0 => report.high.clone(),
+        1 => format!("{} and {}", report.high, report.high_others[0].name),
+        more => format!("{} and {more} more files", report.high),
+    }
 }
 
 /// Builds the section of all distinct warnings: first those of the proof, then those about the files and the bake.

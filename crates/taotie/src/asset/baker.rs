@@ -227,7 +227,7 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
     let (carried, left) = match packed {
         Some(asset) => {
             options.maps.clear();
-            if !scan.is_denoised {
+            if scan.packed_file().is_some() {
                 warnings = warnings_of_packed_scan(&warnings);
             }
             document = Some(Document::of_packed(asset.glb, limits));

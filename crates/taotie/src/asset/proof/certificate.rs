@@ -4,8 +4,9 @@ use super::figures::Figures;
 use super::measurement::VerifyOptions;
 use super::outcome::RequirementOutcome;
 use crate::asset::ask::{Figure, Requirement, requirement};
-use crate::asset::source::{About, Scan, ScanOptions, all_files};
+use crate::asset::source::{About, ModelFile, Scan, ScanOptions, all_files};
 use crate::asset::write::{MapNote, WrittenAsset, name_of};
+use std::collections::BTreeSet;
 use std::path::Path;
 use taotie_engine::error::{Error, Result};
 use taotie_engine::scene::NormalSpace;
@@ -51,8 +52,10 @@ pub struct Certificate {
     pub figures: Vec<KeyFigure>,
     /// Contents that no figure and no image compares.
     pub not_compared: Vec<String>,
-    /// The scan's files, the model file first; empty for a scan in memory.
+    /// The scan's files, the model files first; empty for a scan in memory.
     pub scan: Vec<HashedFile>,
+    /// The number of model files among them, which are one scan together.
+    pub scan_models: usize,
     /// Triangles of the scan.
     pub scan_triangles: usize,
     /// The asset's files, the model file first.
@@ -70,7 +73,7 @@ pub struct Certificate {
     /// The operator, if stated.
     pub operator: Option<String>,
     /// The command that reproduces this certificate from the files, run in the folder that holds them; `None` if the
-    /// model file does not contain everything that was compared.
+    /// model file does not contain everything that was compared, or if files of the scan have the same name.
     pub command: Option<String>,
 }
 
@@ -220,15 +223,20 @@ impl Certificate {
         signature.check()?;
         let Subject { scan, asset, is_whole, figures } = subject;
         let required = figures.evaluate(&options.requirements);
-        let names = asset.files.first().map(|file| &file.name).filter(|_| is_whole && !scan.files.is_empty());
-        let command =
-            names.map(|asset| command([asset, &name_of(&scan.path)], &scan.options, options, signature));
+        let names: Vec<String> = scan.models.iter().map(ModelFile::name).collect();
+        let is_runnable = is_whole && !names.is_empty() && are_distinct(&names);
+        let model = asset.files.first().filter(|_| is_runnable);
+        let command = model.map(|asset| {
+            let names = [std::slice::from_ref(&asset.name), &names[..]].concat();
+            command(&names, &scan.options, options, signature)
+        });
         Ok(Self {
             verdict: Verdict::of(&required),
             required,
             figures: KeyFigure::all(figures),
             not_compared: figures.unseen.clone(),
             scan: HashedFile::of_scan(scan)?,
+            scan_models: scan.models.len(),
             scan_triangles: scan.size.triangles as usize,
             asset: asset.files,
             triangles: figures.levels.iter().map(|level| level.triangles).collect(),
@@ -242,16 +250,24 @@ impl Certificate {
     }
 }
 
-/// Returns the command that reproduces a certificate; options with default values are omitted.
+/// Returns `true` if no name occurs twice, in any case, so that one folder can hold all these files.
+fn are_distinct(names: &[String]) -> bool {
+    let known: BTreeSet<String> = names.iter().map(|name| name.to_lowercase()).collect();
+    known.len() == names.len()
+}
+
+/// Returns the command that reproduces a certificate, given the names of the asset and of its scan's files; options with
+/// default values are omitted.
 fn command(
-    names: [&str; 2],
+    names: &[String],
     reading: &ScanOptions,
     options: &VerifyOptions,
     signature: &Signature,
 ) -> String {
-    let [asset, scan] = names;
+    let Some((asset, scan)) = names.split_first() else { return String::new() };
     let usual = VerifyOptions::default();
-    let mut words = ["taotie", "verify", asset, "--scan", scan].map(str::to_owned).to_vec();
+    let mut words = ["taotie", "verify", asset.as_str()].map(str::to_owned).to_vec();
+    words.extend(scan.iter().flat_map(|scan| ["--scan".to_owned(), scan.clone()]));
     words.extend(reading.arguments());
     let mut option = |name: &str, value: Option<String>| {
         words.extend(value.into_iter().flat_map(|value| [name.to_owned(), value]));
@@ -318,14 +334,29 @@ impl HashedFile {
         Ok(Self { name: name_of(path), bytes: taotie_io::file_size(path)?, sha256: taotie_io::sha256(path)? })
     }
 
-    /// Reads the files of a scan, the model file first; empty for a scan in memory.
+    /// Reads the files of a scan, the model files first; empty for a scan in memory.
     ///
     /// # Errors
     /// [`taotie_engine::Error::Io`] if one cannot be read.
     fn of_scan(about: &About) -> Result<Vec<Self>> {
-        let Some((own, others)) = about.files.split_first() else { return Ok(Vec::new()) };
-        let own = Self { name: name_of(own), bytes: taotie_io::file_size(own)?, sha256: about.sha256()? };
-        std::iter::once(Ok(own)).chain(others.iter().map(|file| Self::read(file))).collect()
+        let others = about.files.iter().filter(|_| !about.models.is_empty()).skip(about.models.len());
+        let others = others.map(|file| Self::read(file)).collect::<Result<Vec<_>>>()?;
+        Ok([Self::of_models(&about.models)?, others].concat())
+    }
+
+    /// Returns model files of a scan.
+    ///
+    /// # Errors
+    /// As [`Self::of_scan`].
+    pub(super) fn of_models(models: &[ModelFile]) -> Result<Vec<Self>> {
+        let of = |model: &ModelFile| {
+            Ok(Self {
+                name: model.name(),
+                bytes: taotie_io::file_size(&model.path)?,
+                sha256: model.sha256()?,
+            })
+        };
+        models.iter().map(of).collect()
     }
 }
 
@@ -402,7 +433,8 @@ mod tests {
     #[test]
     fn the_command_has_what_differs_from_the_defaults() {
         let (plain, usual) = (ScanOptions::default(), VerifyOptions::default());
-        let bare = command(["a.glb", "s.ply"], &plain, &usual, &Signature::default());
+        let named = |names: [&str; 2]| names.map(str::to_owned);
+        let bare = command(&named(["a.glb", "s.ply"]), &plain, &usual, &Signature::default());
         assert_eq!(bare, "taotie verify a.glb --scan s.ply -o a.report.html");
         let reading = ScanOptions {
             crease_angle_deg: Some(30.0),
@@ -413,11 +445,15 @@ mod tests {
         let options = VerifyOptions { points: 500, view: 96, requirements, ..usual };
         let signature =
             Signature { date: Some("1 May 2026".into()), operator: Some("E. O'Neill \"EO\"".into()) };
-        let full = command(["big jug.glb", "s.ply"], &reading, &options, &signature);
+        let full = command(&named(["big jug.glb", "s.ply"]), &reading, &options, &signature);
         let wanted = "taotie verify \"big jug.glb\" --scan s.ply --crease-angle 30 --scan-green down \
                       --proof-points 500 --proof-view 96 --require standard --date \"1 May 2026\" \
                       --operator 'E. O'\\''Neill \"EO\"' -o \"big jug.report.html\"";
         assert_eq!(full, wanted);
+        let two = ["a.glb", "s.ply", "S.obj"].map(str::to_owned);
+        let of_two = command(&two, &plain, &VerifyOptions::default(), &Signature::default());
+        assert_eq!(of_two, "taotie verify a.glb --scan s.ply --scan S.obj -o a.report.html");
+        assert!(are_distinct(&two) && !are_distinct(&["s.ply", "S.ply"].map(str::to_owned)));
     }
 
     #[test]

@@ -1,13 +1,13 @@
 //! Every parameter and every figure of a bake, as data.
 
-use super::certificate::Certificate;
+use super::certificate::{Certificate, HashedFile};
 use super::figures::Figures;
 use super::findings::unproved_maps;
 use super::outcome::RequirementOutcome;
 use super::verification::Proof;
 use crate::asset::ask::MeshSource;
 use crate::asset::bake::{DroppedProperty, Part, Trial};
-use crate::asset::source::{Origin, Scan};
+use crate::asset::source::{ModelFile, Origin, Scan};
 use crate::asset::write::{MapNote, Parameters, WrittenAsset, maps_alone, name_of};
 use std::path::{Path, PathBuf};
 use taotie_engine::bake::MapKind;
@@ -17,7 +17,7 @@ use taotie_engine::surface::Noise;
 use taotie_io::CodecKind;
 
 /// The version of the report's layout.
-const SCHEMA: u32 = 6;
+const SCHEMA: u32 = 7;
 
 /// The complete report of a bake. The caller fills in what it knows, such as figures and times.
 ///
@@ -44,10 +44,13 @@ pub struct Report {
     pub version: &'static str,
     /// The statement that opens the page; `None` if nothing was measured.
     pub certificate: Option<Certificate>,
-    /// The name of the scan's file, without folders.
+    /// The name of the scan's file, without folders; the first if there are several.
     pub high: String,
     /// The SHA-256 of its bytes.
     pub high_sha256: String,
+    /// The other files that are one scan together with it, in the order given; JSON has the list only if there are any.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub high_others: Vec<HashedFile>,
     /// Its triangles.
     pub high_triangles: usize,
     /// The name of the low-poly mesh's file; `None` if the mesh was generated.
@@ -175,8 +178,9 @@ impl Report {
             kind: "taotie bake",
             version: env!("CARGO_PKG_VERSION"),
             certificate: None,
-            high: name_of(&made.about.path),
-            high_sha256: made.about.sha256()?,
+            high: name_of(made.about.path()),
+            high_sha256: made.about.models.first().map_or(Ok(String::new()), ModelFile::sha256)?,
+            high_others: HashedFile::of_models(made.about.models.get(1..).unwrap_or_default())?,
             high_triangles: made.about.size.triangles as usize,
             low: made.options.low.as_ref().and_then(MeshSource::name),
             origin: asset.origin().clone(),
@@ -209,6 +213,7 @@ impl Report {
             certificate: None,
             high: name_of(scan.path()),
             high_sha256: scan.sha256()?,
+            high_others: HashedFile::of_models(scan.about.models.get(1..).unwrap_or_default())?,
             high_triangles: scan.about.size.triangles as usize,
             low: Some(name_of(asset)),
             origin: Origin::default(),

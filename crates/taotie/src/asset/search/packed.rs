@@ -97,12 +97,13 @@ fn shown(scan: &Scan, image: &LossyTexture) -> Option<Shown> {
     (!textures.is_empty()).then(|| Shown { textures, encoding: image.encoding() })
 }
 
-/// Opens the file of a scan, or converts the scan to glTF if its file is in another format or its noise was removed. Also
+/// Opens the file of a scan, or converts the scan to glTF if its file is in another format, it has several, or its noise
+/// was removed. Also
 /// returns the losses of that. Those that affect angles or colours are measured with the candidate, and all others also
 /// occur in candidates made from the scan.
 pub(super) fn packer(scan: &Scan) -> Result<(GltfPacker, Warnings)> {
-    let (path, mut lost) = (scan.path(), Warnings::default());
-    if !scan.is_denoised && taotie_io::is_gltf(path).unwrap_or(false) {
+    let mut lost = Warnings::default();
+    if let Some(path) = scan.packed_file().filter(|path| taotie_io::is_gltf(path).unwrap_or(false)) {
         return Ok((GltfPacker::open(GltfSource::File(path), &scan.limits)?, lost));
     }
     let scene = scan.surface().clone().into_scene()?;

@@ -4,6 +4,7 @@
 use super::extent::{Extent, Spot, Whole};
 use crate::inspection::Pixels;
 use std::collections::BTreeMap;
+use std::path::Path;
 use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::length::Unit;
 use taotie_engine::math::{Mat4, Vec3, scalar};
@@ -37,8 +38,9 @@ pub struct ScanOptions {
     /// The direction of green in the scan's tangent-space normal maps; `None` trusts the file unless the pixels
     /// contradict it.
     pub green: Option<GreenChannel>,
-    /// The unit of the scan's coordinates; `None` is the metre for glTF, as its specification requires, and an
-    /// unknown unit for other formats.
+    /// The unit of the scan's coordinates; `None` is the metre for glTF, as its specification requires, and for FBX,
+    /// and an unknown unit for other formats. If a scan has files of both kinds, it is required: those that state
+    /// their unit are converted to it.
     pub unit: Option<Unit>,
 }
 
@@ -87,6 +89,118 @@ impl ScanOptions {
     }
 }
 
+/// Returns the metres of a unit other than the metre, by which an asset's root node is scaled; `None` if there is
+/// nothing to scale.
+pub(in crate::asset) fn root_scale(unit: Option<Unit>) -> Option<f32> {
+    unit.filter(|unit| *unit != Unit::Metre).map(|unit| unit.metres() as f32)
+}
+
+/// Converts a scan's scene, with coordinates in `unit`, to the space of its assets, which are in metres.
+///
+/// ```
+/// use taotie::asset::into_metres;
+/// use taotie::{Material, Mesh, Scene};
+/// use taotie_engine::length::Unit;
+///
+/// let mut scan = Scene::of_mesh(Mesh::sphere(40.0, 16, 8), Material::default())?;
+/// into_metres(&mut scan, Some(Unit::Millimetre))?;
+/// assert!(scan.bounds().unwrap().max.y < 0.041);
+/// # Ok::<(), taotie::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Invalid`] if its transforms are no longer finite.
+pub fn into_metres(scene: &mut Scene, unit: Option<Unit>) -> Result<()> {
+    match root_scale(unit) {
+        Some(scale) => scaled(scene, |v| v * f64::from(scale)),
+        None => Ok(()),
+    }
+}
+
+/// Converts a glTF scene to the space of a scan in this unit. An asset written for that scan gets its transforms back
+/// bit for bit: they are divided by the scale of its root node.
+pub(in crate::asset) fn from_metres(scene: &mut Scene, unit: Option<Unit>) -> Result<()> {
+    match root_scale(unit) {
+        Some(scale) => scaled(scene, |v| v / f64::from(scale)),
+        None => Ok(()),
+    }
+}
+
+/// Applies a function to the scales and translations of all instances.
+fn scaled(scene: &mut Scene, change: impl Fn(f64) -> f64) -> Result<()> {
+    let mut data = std::mem::take(scene).into_data();
+    for instance in &mut data.instances {
+        for column in &mut instance.world_from_object.columns {
+            column[..3].iter_mut().for_each(|v| *v = change(*v));
+        }
+    }
+    *scene = Scene::new(data)?;
+    Ok(())
+}
+
+/// Returns `true` if a scene that should be in metres has the size of a model with this diagonal in `unit`: its unconverted
+/// diagonal is closer to it than in metres.
+pub(super) fn is_in_unit(scene: &Scene, unit: Unit, diagonal: f64) -> bool {
+    let Some((own, scale)) = scene.bounds().zip(root_scale(Some(unit))) else { return false };
+    // The ratio of the sizes, closest to 1 up to √scale.
+    own.diagonal() / diagonal > f64::from(scale).sqrt()
+}
+
+/// A file of a scan of several.
+pub(super) struct FileUnit<'a> {
+    /// Its path.
+    pub name: String,
+    pub scene: &'a mut Scene,
+    /// The unit that its format states, which is then the metre.
+    pub stated: Option<Unit>,
+}
+
+/// Converts files that state their unit, and are thus in metres, to that of the others, and returns the unit of all.
+///
+/// # Errors
+/// [`Error::Invalid`] if they state different units, or one seems not to be in metres.
+pub(super) fn to_one_unit(files: Vec<FileUnit<'_>>, given: Option<Unit>) -> Result<Option<Unit>> {
+    let (stated, others): (Vec<_>, Vec<_>) = files.into_iter().partition(|file| file.stated.is_some());
+    let (Some(first), Some(other)) = (stated.first(), others.first()) else {
+        return Ok(given.or(stated.first().and_then(|file| file.stated)));
+    };
+    let Some(unit) = given else {
+        let why = format!(
+            "its unit is unknown, but {} is in metres, as its format states; state the unit of files like it with \
+             --unit, such as --unit mm, or --unit m if it is in metres too",
+            first.name
+        );
+        return Err(Error::invalid(&other.name, why));
+    };
+    let bounds = others.iter().filter_map(|file| file.scene.bounds());
+    let diagonal = bounds.reduce(|all, own| all.united(&own)).map_or(0.0, |all| all.diagonal());
+    for file in stated {
+        if is_in_unit(file.scene, unit, diagonal) {
+            let why = format!(
+                "its format is in metres, but its size suggests {unit}, as the other files of the scan are; scale it to \
+                 metres, or save it in a format without a unit, such as PLY",
+                unit = unit.name()
+            );
+            return Err(Error::invalid(file.name, why));
+        }
+        from_metres(file.scene, given)?;
+    }
+    Ok(given)
+}
+
+/// Corrects faults and gaps of a scan according to the options, and notes them.
+///
+/// # Errors
+/// Those of [`ScanOptions::check`].
+pub(super) fn corrected(scene: Scene, options: &ScanOptions, warnings: &mut Warnings) -> Result<Scene> {
+    let mut parts = scene.into_data();
+    turn_triangles(&mut parts, options.unit, warnings)?;
+    compute_normals(&mut parts, options, warnings)?;
+    note_contradicting_normals(&parts, options.unit, warnings);
+    set_green(&mut parts, options, warnings);
+    Scene::new(parts)
+}
+
 /// The share of the surface above which normals contradicting the geometry cause a warning.
 const CONTRADICTED: f64 = 0.005;
 
@@ -104,11 +218,7 @@ struct Found {
 ///
 /// # Errors
 /// None for meshes that were checked.
-pub(super) fn turn_triangles(
-    parts: &mut SceneData,
-    unit: Option<Unit>,
-    warnings: &mut Warnings,
-) -> Result<()> {
+fn turn_triangles(parts: &mut SceneData, unit: Option<Unit>, warnings: &mut Warnings) -> Result<()> {
     let (mut turned, mut doubtful) = (Found::with(unit), Found::with(unit));
     for i in 0..parts.meshes.len() {
         let opposed = Opposed::of(&parts.meshes[i]);
@@ -135,7 +245,7 @@ pub(super) fn turn_triangles(
 }
 
 /// Notes normals of the scan that point to the opposite side of their triangles.
-pub(super) fn note_contradicting_normals(parts: &SceneData, unit: Option<Unit>, warnings: &mut Warnings) {
+fn note_contradicting_normals(parts: &SceneData, unit: Option<Unit>, warnings: &mut Warnings) {
     let mut found = Found::with(unit);
     for (i, mesh) in parts.meshes.iter().enumerate().filter(|(_, mesh)| !mesh.normals().is_empty()) {
         let turned: Vec<u32> = turned(mesh).into_iter().map(|t| t as u32).collect();
@@ -233,11 +343,7 @@ struct Outcome {
 ///
 /// # Errors
 /// Those of [`ScanOptions::check`].
-pub(super) fn compute_normals(
-    parts: &mut SceneData,
-    options: &ScanOptions,
-    warnings: &mut Warnings,
-) -> Result<()> {
+fn compute_normals(parts: &mut SceneData, options: &ScanOptions, warnings: &mut Warnings) -> Result<()> {
     options.check()?;
     let is_mapped = mapped(parts);
     let mut outcome = Outcome::default();
@@ -359,7 +465,7 @@ fn is_faceted(mesh: &Mesh) -> bool {
 
 /// Sets the direction of green of all tangent-space normal maps that the scan uses. Without a choice by the caller,
 /// maps whose pixels show that green points down are read as such, and noted.
-pub(super) fn set_green(parts: &mut SceneData, options: &ScanOptions, warnings: &mut Warnings) {
+fn set_green(parts: &mut SceneData, options: &ScanOptions, warnings: &mut Warnings) {
     let mut is_used = vec![false; parts.materials.len()];
     parts.instances.iter().for_each(|instance| is_used[instance.material] = true);
     let mut down: BTreeMap<usize, Option<f32>> = BTreeMap::new();
@@ -402,12 +508,13 @@ pub(super) fn set_green(parts: &mut SceneData, options: &ScanOptions, warnings: 
 fn surely(confidence: f32) -> String {
     format!("{:.1} % sure from its pixels", (100.0 * f64::from(confidence)).min(99.9))
 }
+
 /// Checks that positions are not rounded too coarsely for the size of a scan, in model units: single precision has about
 /// seven digits.
 ///
 /// # Errors
 /// [`Error::Invalid`] if they are.
-pub(super) fn check_rounding(mesh: &Mesh, warnings: &mut Warnings) -> Result<()> {
+pub(super) fn check_rounding((mesh, path): (&Mesh, &Path), warnings: &mut Warnings) -> Result<()> {
     /// Fractions of the diagonal: angles suffer visibly beyond the first, and the shape beyond the second.
     const FINE: f64 = 1e-5;
     const COARSE: f64 = 1e-3;
@@ -426,8 +533,28 @@ pub(super) fn check_rounding(mesh: &Mesh, warnings: &mut Warnings) -> Result<()>
          diagonal; subtract a fixed offset, such as ({x}, {y}, {z}), from all of them first"
     );
     if rounding > diagonal * COARSE {
-        return Err(Error::invalid("the scan", what));
+        let name = if path.as_os_str().is_empty() { "the scan".into() } else { path.to_string_lossy() };
+        return Err(Error::invalid(name, what));
     }
     warnings.note(what, 1);
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use taotie_engine::scene::Material;
+
+    #[test]
+    fn transforms_come_back_to_the_bit() {
+        for unit in [Unit::Millimetre, Unit::Centimetre, Unit::Metre, Unit::Inch] {
+            let mut scene = Scene::of_mesh(Mesh::sphere(1.0, 8, 4), Material::default()).unwrap();
+            let own = Mat4::translation(Vec3::new(0.1f32, -7.3, 1e-3).to_f64())
+                * Mat4::scale(Vec3::splat(f64::from(0.123_456_7f32)));
+            let root = Mat4::scale(Vec3::splat(f64::from(root_scale(Some(unit)).unwrap_or(1.0))));
+            scene.edit(|scene| scene.instances[0].world_from_object = root * own).unwrap();
+            from_metres(&mut scene, Some(unit)).unwrap();
+            assert_eq!(scene.instances()[0].world_from_object, own, "{unit:?}");
+        }
+    }
 }

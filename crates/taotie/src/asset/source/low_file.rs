@@ -4,7 +4,9 @@
 //! glTF and FBX are read in metres. If the scan is in another unit, they are converted to the scan's space on reading,
 //! and back in assets.
 
-use super::scan::{Scan, all_files, check_extent, is_gltf, stated_unit};
+use super::corrections::{from_metres, is_in_unit, root_scale};
+use super::scan::Scan;
+use super::size::{all_files, check_extent, is_gltf, stated_unit};
 use crate::asset::ask::{BakeOptions, MeshSource};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -12,7 +14,6 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use taotie_engine::bake::MapKind;
 use taotie_engine::error::{Error, Result, Warnings};
-use taotie_engine::length::Unit;
 use taotie_engine::math::{Mat4, Vec3};
 use taotie_engine::mesh::{Mesh, MeshData};
 use taotie_engine::names::Named;
@@ -123,62 +124,11 @@ fn as_it_is(source: &MeshSource, limits: Limits, warnings: &mut Warnings) -> Res
     }
 }
 
-/// Returns the metres of a unit other than the metre, by which an asset's root node is scaled; `None` if there is
-/// nothing to scale.
-pub(in crate::asset) fn root_scale(unit: Option<Unit>) -> Option<f32> {
-    unit.filter(|unit| *unit != Unit::Metre).map(|unit| unit.metres() as f32)
-}
-
-/// Converts a scan's scene, with coordinates in `unit`, to the space of its assets, which are in metres.
-///
-/// ```
-/// use taotie::asset::into_metres;
-/// use taotie::{Material, Mesh, Scene};
-/// use taotie_engine::length::Unit;
-///
-/// let mut scan = Scene::of_mesh(Mesh::sphere(40.0, 16, 8), Material::default())?;
-/// into_metres(&mut scan, Some(Unit::Millimetre))?;
-/// assert!(scan.bounds().unwrap().max.y < 0.041);
-/// # Ok::<(), taotie::Error>(())
-/// ```
-///
-/// # Errors
-/// [`Error::Invalid`] if its transforms are no longer finite.
-pub fn into_metres(scene: &mut Scene, unit: Option<Unit>) -> Result<()> {
-    match root_scale(unit) {
-        Some(scale) => scaled(scene, |v| v * f64::from(scale)),
-        None => Ok(()),
-    }
-}
-
-/// Converts a glTF scene to the space of a scan in this unit. An asset written for that scan gets its transforms back
-/// bit for bit: they are divided by the scale of its root node.
-pub(in crate::asset) fn from_metres(scene: &mut Scene, unit: Option<Unit>) -> Result<()> {
-    match root_scale(unit) {
-        Some(scale) => scaled(scene, |v| v / f64::from(scale)),
-        None => Ok(()),
-    }
-}
-
-/// Applies a function to the scales and translations of all instances.
-fn scaled(scene: &mut Scene, change: impl Fn(f64) -> f64) -> Result<()> {
-    let mut data = std::mem::take(scene).into_data();
-    for instance in &mut data.instances {
-        for column in &mut instance.world_from_object.columns {
-            column[..3].iter_mut().for_each(|v| *v = change(*v));
-        }
-    }
-    *scene = Scene::new(data)?;
-    Ok(())
-}
-
 /// Returns the name of the scan's unit if a glTF scene, which should be in metres, has the size of the scan in that
 /// unit: its unconverted diagonal is closer to the scan's than in metres.
 pub(in crate::asset) fn is_in_scan_unit(scene: &Scene, scan: &Scan) -> Option<&'static str> {
-    let (unit, scale) = (scan.unit()?, f64::from(root_scale(scan.unit())?));
-    // The ratio of the sizes, closest to 1 up to √scale.
-    let ratio = scene.bounds()?.diagonal() / scan.mesh().diagonal();
-    (ratio > scale.sqrt()).then(|| unit.name())
+    let unit = scan.unit()?;
+    is_in_unit(scene, unit, scan.mesh().diagonal()).then(|| unit.name())
 }
 
 /// The file of a low-poly mesh that an asset keeps: its nodes, meshes, skins, morph targets and animations.
@@ -445,20 +395,8 @@ fn word(name: &str) -> String {
 mod tests {
     use super::*;
     use crate::asset::ask::Lod;
+    use taotie_engine::length::Unit;
     use taotie_engine::scene::{Instance, SceneData};
-
-    #[test]
-    fn transforms_come_back_to_the_bit() {
-        for unit in [Unit::Millimetre, Unit::Centimetre, Unit::Metre, Unit::Inch] {
-            let mut scene = Scene::of_mesh(Mesh::sphere(1.0, 8, 4), Material::default()).unwrap();
-            let own = Mat4::translation(Vec3::new(0.1f32, -7.3, 1e-3).to_f64())
-                * Mat4::scale(Vec3::splat(f64::from(0.123_456_7f32)));
-            let root = Mat4::scale(Vec3::splat(f64::from(root_scale(Some(unit)).unwrap_or(1.0))));
-            scene.edit(|scene| scene.instances[0].world_from_object = root * own).unwrap();
-            from_metres(&mut scene, Some(unit)).unwrap();
-            assert_eq!(scene.instances()[0].world_from_object, own, "{unit:?}");
-        }
-    }
 
     #[test]
     fn the_size_shows_the_unit() {

@@ -18,7 +18,7 @@ use taotie_engine::mesh::{Mesh, MeshData, RELIEF_OF_VERTICES};
 use taotie_engine::progress::Progress;
 use taotie_engine::scene::{AlphaMode, Material};
 use taotie_engine::surface::with_frames;
-use taotie_io::Objects;
+use taotie_io::{HIGH_MARK, LOW_MARK, Objects, name_before};
 
 /// A low-poly mesh, ready to be baked onto.
 pub(in crate::asset) struct LowPoly {
@@ -475,10 +475,6 @@ impl CageMesh {
     }
 }
 
-/// The parts of names that separate a group's name from what follows, in any case.
-const LOW: &str = "_low";
-const HIGH: &str = "_high";
-
 /// The objects of a scan that each object of a low-poly mesh shows.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(in crate::asset) struct Groups {
@@ -495,9 +491,8 @@ impl Groups {
     /// are one group. Objects without a counterpart are noted.
     pub fn matched([low, high]: [&Objects; 2], warnings: &mut Warnings) -> Option<Self> {
         let of_high: Vec<Option<String>> =
-            high.names.iter().map(|name| taotie_io::name_before(name, HIGH)).collect();
-        let of_low: Vec<Option<String>> =
-            low.names.iter().map(|name| taotie_io::name_before(name, LOW)).collect();
+            high.names.iter().map(|name| name_before(name, HIGH_MARK)).collect();
+        let of_low: Vec<Option<String>> = low.names.iter().map(|name| name_before(name, LOW_MARK)).collect();
         let named: BTreeSet<&String> = of_high.iter().flatten().collect();
         let shared: BTreeSet<&String> = of_low.iter().flatten().filter(|name| named.contains(name)).collect();
         let names: Vec<String> = shared.into_iter().cloned().collect();

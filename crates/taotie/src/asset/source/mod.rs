@@ -11,18 +11,18 @@ mod material;
 mod scan;
 mod size;
 
-pub use corrections::ScanOptions;
-pub(super) use corrections::turned;
+pub use corrections::{ScanOptions, into_metres};
+pub(super) use corrections::{from_metres, root_scale, turned};
 pub(super) use extent::{Extent, Spot, Whole};
 pub(super) use given::{GivenMesh, Inputs};
-pub use low_file::into_metres;
-pub(super) use low_file::{Document, from_metres, is_in_scan_unit, root_scale};
+pub(super) use low_file::{Document, is_in_scan_unit};
 pub(super) use low_material::{LowLook, Metalness, assign_object_map};
 #[cfg(test)]
 pub(super) use low_poly::Skew;
 pub(super) use low_poly::{Base, KeptTextures, LowPoly, MadeFrom, Pair, RayLength, Rays, Relief};
 pub use low_poly::{Origin, Simplification};
 pub(super) use material::{Carried, Found, Property, is_plain, used_materials};
-pub(super) use scan::{About, ScanNoise, all_files, is_gltf, stated_unit, warnings_of_packed_scan};
+pub(super) use scan::{About, ScanNoise};
 pub use scan::{Scan, ScanFile};
 pub use size::ScanSize;
+pub(super) use size::{ModelFile, all_files, is_gltf, stated_unit, warnings_of_packed_scan};

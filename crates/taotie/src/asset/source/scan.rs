@@ -3,11 +3,13 @@
 //! Its tree takes more memory than its triangles. It is built when rays first need it, which is after simplification.
 
 use super::corrections::{
-    ScanOptions, added_vertices, check_rounding, compute_normals, note_contradicting_normals, set_green,
-    turn_triangles,
+    FileUnit, ScanOptions, added_vertices, check_rounding, corrected, into_metres, to_one_unit,
 };
 use super::material::{Carried, is_plain};
-use super::size::ScanSize;
+use super::size::{
+    ModelFile, ScanSize, all_files, check_distinct, check_extent, first_of, left_of_scan_file, named_by_file,
+    sizes, stated_unit,
+};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 use taotie_engine::bake::{self, Remeshed, TexturedMesh, Visibility};
@@ -15,17 +17,16 @@ use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::length::Unit;
 use taotie_engine::mesh::Mesh;
 use taotie_engine::progress::Progress;
-use taotie_engine::scene::{Material, Scene};
+use taotie_engine::scene::{Material, Scene, SceneData};
 use taotie_engine::surface::{Denoised, Noise, NoiseHandling};
-use taotie_io::{FileHash, Limits, Loaded, Objects};
+use taotie_io::{Bytes, Limits, Objects, xmp_rights};
 
 /// The properties of a scan besides its triangles.
 #[derive(Debug)]
 pub(in crate::asset) struct About {
-    /// The path of its file; empty in memory.
-    pub path: PathBuf,
-    hash: Option<FileHash>,
-    /// All files that it was read from, the model file first; empty in memory.
+    /// Its model files, which are one scan together; none in memory.
+    pub models: Vec<ModelFile>,
+    /// All files that it was read from, the model files first; empty in memory.
     pub files: Vec<PathBuf>,
     /// Bytes of all its files; 0 in memory.
     pub bytes: u64,
@@ -36,30 +37,49 @@ pub(in crate::asset) struct About {
     pub warnings: Warnings,
     pub size: ScanSize,
     pub carried: Carried,
-    /// The objects of its instances; none if its file has no objects.
+    /// The objects of its instances; none if its only file has no objects.
     pub objects: Objects,
     /// `true` if it specifies no colour and no material.
     pub is_plain: bool,
-    /// `true` if its file has animations, skins, morph targets or material variants, none of which a baked asset has.
+    /// `true` if its only file has animations, skins, morph targets or material variants, none of which a baked asset
+    /// has.
     pub is_rigged: bool,
-    /// Why its file can have only one level of detail if it is packed: motion, or its own levels.
+    /// Why its only file can have only one level of detail if it is packed: motion, or its own levels.
     pub one_level: Option<&'static str>,
     /// How it is read; the unit is the metre for glTF unless the caller specifies another.
     pub options: ScanOptions,
 }
 
 impl About {
+    /// Returns the properties of a scan in memory.
+    pub(super) fn of(scene: &Scene) -> Self {
+        let carried = Carried::of(scene);
+        let size = ScanSize::of(scene, carried.maps());
+        Self {
+            models: Vec::new(),
+            files: Vec::new(),
+            bytes: 0,
+            copyright: None,
+            xmp: None,
+            warnings: Warnings::default(),
+            size,
+            carried,
+            objects: Objects::default(),
+            is_plain: is_plain(scene),
+            is_rigged: false,
+            one_level: None,
+            options: ScanOptions::default(),
+        }
+    }
+
     /// Returns the unit of the scan's coordinates; `None` if unknown.
     pub fn unit(&self) -> Option<Unit> {
         self.options.unit
     }
 
-    /// Returns the SHA-256 of the scan's file, hexadecimal; empty in memory.
-    ///
-    /// # Errors
-    /// [`Error::Io`] if it can no longer be read.
-    pub fn sha256(&self) -> Result<String> {
-        self.hash.as_ref().map_or(Ok(String::new()), FileHash::get)
+    /// Returns the path of the first model file; empty in memory.
+    pub fn path(&self) -> &Path {
+        self.models.first().map_or(Path::new(""), |model| &model.path)
     }
 }
 
@@ -70,7 +90,7 @@ pub(in crate::asset) struct ScanNoise {
     pub angles: Vec<f32>,
 }
 
-/// A scan as stored in its file, not yet merged into one mesh, so that the needs of a bake can be estimated.
+/// A scan as stored in its files, not yet merged into one mesh, so that the needs of a bake can be estimated.
 ///
 /// ```no_run
 /// use taotie::Progress;
@@ -123,14 +143,74 @@ impl ScanFile {
     /// [`Error::Cancelled`]; those of [`taotie_io::load_model`]; [`Error::Limit`] if the file does not fit in memory;
     /// [`Error::Invalid`] if all its triangles are at one point.
     pub fn read(path: impl AsRef<Path>, limits: &Limits, progress: Progress<'_>) -> Result<Self> {
-        let path = path.as_ref().to_path_buf();
-        let hash = FileHash::begin(&path);
+        Self::read_all(&[path], ScanOptions::default(), limits, progress)
+    }
+
+    /// Reads one or more models that are one scan together, as [`Self::joined`] does, each within the memory that the
+    /// ones before leave.
+    ///
+    /// ```no_run
+    /// use taotie::{Limits, Progress};
+    /// use taotie::asset::{ScanFile, ScanOptions};
+    ///
+    /// let (files, limits) = (["lid_high.ply", "body_high.ply"], Limits::default());
+    /// let file = ScanFile::read_all(&files, ScanOptions::default(), &limits, Progress::SILENT)?;
+    /// let scan = file.into_scan(Progress::SILENT)?;
+    /// # Ok::<(), taotie::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Those of [`Self::read`] and [`Self::joined`].
+    pub fn read_all(
+        paths: &[impl AsRef<Path>],
+        options: ScanOptions,
+        limits: &Limits,
+        progress: Progress<'_>,
+    ) -> Result<Self> {
+        let paths: Vec<PathBuf> = paths.iter().map(|path| path.as_ref().to_path_buf()).collect();
         let limits = limits.or_free();
-        limits.check_file(&path)?;
+        check_distinct(&paths)?;
         progress.begin("read the scan")?.apart(move |_| {
-            let loaded = taotie_io::load_model_within(&path, &limits)?;
-            Self::hashed(loaded, (path, hash), limits)
+            let (mut files, mut left) = (Vec::with_capacity(paths.len()), limits);
+            for path in &paths {
+                let model = ModelFile::begin(path);
+                left.check_file(path)?;
+                let loaded = taotie_io::load_model_within(path, &left)?;
+                let file = Self::hashed(loaded, model, limits)?;
+                left = file.left_of(left);
+                files.push(file);
+            }
+            Self::joined(files, options)
         })
+    }
+
+    /// Joins files to one scan, read with `options`; see [`ScanOptions::unit`] for their unit. Instances without a name
+    /// get that of their file, such as `lid_high`, which matches `lid_low` of a low-poly mesh.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] if there is no file, if one occurs twice, or if their units are ambiguous.
+    pub fn joined(mut files: Vec<Self>, options: ScanOptions) -> Result<Self> {
+        match files.pop() {
+            Some(only) if files.is_empty() => Ok(only.with_options(options)),
+            Some(last) => {
+                files.push(last);
+                join(files, options)
+            }
+            None => Err(Error::invalid("the scan", "it has no files")),
+        }
+    }
+
+    /// Returns the path of its model file, for messages.
+    fn name(&self) -> String {
+        let name = |model: &ModelFile| model.path.display().to_string();
+        self.about.models.first().map_or_else(|| "a model in memory".into(), name)
+    }
+
+    /// Returns the limits that are left for further files.
+    fn left_of(&self, limits: Limits) -> Limits {
+        let ScanSize { triangles, .. } = self.about.size;
+        let memory = limits.memory.map(|memory| Bytes(memory.0.saturating_sub(self.about.size.mesh_bytes())));
+        Limits { memory, triangles: limits.triangles.saturating_sub(triangles), ..limits }
     }
 
     /// Converts the content that was read from `path`; all its instances form one scan. A model that is already
@@ -149,25 +229,19 @@ impl ScanFile {
     /// # Errors
     /// [`Error::Io`] if one of its files is gone; [`Error::Invalid`] if all its triangles are at one point.
     pub fn from_loaded(loaded: taotie_io::Loaded, path: impl AsRef<Path>, limits: &Limits) -> Result<Self> {
-        let path = path.as_ref().to_path_buf();
-        let hash = FileHash::begin(&path);
-        Self::hashed(loaded, (path, hash), limits.or_free())
+        Self::hashed(loaded, ModelFile::begin(path.as_ref()), limits.or_free())
     }
 
-    fn hashed(
-        mut loaded: taotie_io::Loaded,
-        (path, hash): (PathBuf, FileHash),
-        limits: Limits,
-    ) -> Result<Self> {
-        let files = all_files(&path, &mut loaded.files);
-        let bytes = files.iter().map(|file| taotie_io::file_size(file)).sum::<Result<u64>>()?;
-        check_extent(&loaded.scene, &path.display().to_string())?;
+    fn hashed(mut loaded: taotie_io::Loaded, model: ModelFile, limits: Limits) -> Result<Self> {
+        let files = all_files(&model.path, &mut loaded.files);
+        let bytes = sizes(&files)?;
+        check_extent(&loaded.scene, &model.path.display().to_string())?;
         left_of_scan_file(&mut loaded);
         let is_rigged = loaded.rig.is_some() || !loaded.variants.names().is_empty();
         let about = About {
             is_rigged,
             one_level: loaded.moving.or((loaded.levels > 1).then_some("its own levels")),
-            hash: Some(hash),
+            models: vec![model],
             files,
             bytes,
             copyright: loaded.copyright,
@@ -178,7 +252,7 @@ impl ScanFile {
                 unit: stated_unit(loaded.format).map(|_| Unit::Metre),
                 ..ScanOptions::default()
             },
-            ..About::of(&loaded.scene, path)
+            ..About::of(&loaded.scene)
         };
         Ok(Self { scene: loaded.scene, about, limits })
     }
@@ -191,7 +265,7 @@ impl ScanFile {
         check_extent(&scene, "the scan")?;
         let mut loaded = taotie_io::Loaded::new(scene, Warnings::default(), "");
         left_of_scan_file(&mut loaded);
-        let about = About { warnings: loaded.warnings, ..About::of(&loaded.scene, PathBuf::new()) };
+        let about = About { warnings: loaded.warnings, ..About::of(&loaded.scene) };
         Ok(Self { scene: loaded.scene, about, limits: Limits::default() })
     }
 
@@ -201,9 +275,25 @@ impl ScanFile {
         self
     }
 
-    /// Returns all files that the scan was read from, the model file first; empty in memory.
+    /// Returns all files that the scan was read from, the model files first; empty in memory.
     pub fn files(&self) -> &[PathBuf] {
         &self.about.files
+    }
+
+    /// Returns the scan file in the space of its assets: in metres if its unit is known.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] if its transforms are no longer finite.
+    pub fn into_metres(mut self) -> Result<Self> {
+        let unit = &mut self.about.options.unit;
+        into_metres(&mut self.scene, *unit)?;
+        *unit = unit.map(|_| Unit::Metre);
+        Ok(self)
+    }
+
+    /// Returns its surfaces as stored, in [`Self::unit`].
+    pub fn scene(&self) -> &Scene {
+        &self.scene
     }
 
     /// Returns the unit of the scan's coordinates: that of [`ScanOptions`], else the metre of a glTF file; `None` if
@@ -227,10 +317,11 @@ impl ScanFile {
     /// [`ScanOptions::check`].
     pub fn into_scan(self, progress: Progress<'_>) -> Result<Scan> {
         progress.begin("join the scan")?.apart(move |_| {
-            let Self { mut scene, mut about, limits } = self;
-            correct(&mut scene, &mut about)?;
+            let Self { scene, mut about, limits } = self;
+            let scene = corrected(scene, &about.options, &mut about.warnings)?;
+            about.size = ScanSize::of(&scene, about.carried.maps());
             let surface = Arc::new(bake::Scan::surface_of(scene)?);
-            check_rounding(surface.mesh(), &mut about.warnings)?;
+            check_rounding((surface.mesh(), about.path()), &mut about.warnings)?;
             Ok(Scan {
                 surface,
                 sorted: Arc::default(),
@@ -349,12 +440,21 @@ impl Scan {
         self.about.unit()
     }
 
-    /// Returns the file that it was read from; empty in memory.
+    /// Returns the file that it was read from, the first if there are several; empty in memory.
     pub fn path(&self) -> &Path {
-        &self.about.path
+        self.about.path()
     }
 
-    /// Returns all files that it was read from, the model file first; empty in memory.
+    /// Returns the file whose whole content a packed scan has: the only one that it was read from, unless its noise
+    /// was removed.
+    pub(in crate::asset) fn packed_file(&self) -> Option<&Path> {
+        match &self.about.models[..] {
+            [model] if !self.is_denoised => Some(&model.path),
+            _ => None,
+        }
+    }
+
+    /// Returns all files that it was read from, the model files first; empty in memory.
     pub fn files(&self) -> &[PathBuf] {
         &self.about.files
     }
@@ -364,12 +464,13 @@ impl Scan {
         &self.about.warnings
     }
 
-    /// Returns the SHA-256 of its file, hexadecimal; empty in memory. It is computed in the background.
+    /// Returns the SHA-256 of the file at [`Self::path`], hexadecimal; empty in memory. It is computed in the
+    /// background.
     ///
     /// # Errors
     /// [`Error::Io`] if the file can no longer be read.
     pub fn sha256(&self) -> Result<String> {
-        self.about.sha256()
+        self.about.models.first().map_or(Ok(String::new()), ModelFile::sha256)
     }
 
     /// Measures its noise, and removes it if requested; returns the scan to make the asset from.
@@ -427,102 +528,61 @@ impl std::fmt::Debug for Scan {
     }
 }
 
-impl About {
-    fn of(scene: &Scene, path: PathBuf) -> Self {
-        let carried = Carried::of(scene);
-        let size = ScanSize::of(scene, carried.maps());
-        Self {
-            path,
-            hash: None,
-            files: Vec::new(),
-            bytes: 0,
-            copyright: None,
-            xmp: None,
-            warnings: Warnings::default(),
-            size,
-            carried,
-            objects: Objects::default(),
-            is_plain: is_plain(scene),
-            is_rigged: false,
-            one_level: None,
-            options: ScanOptions::default(),
-        }
+/// Joins several files to one scan.
+fn join(mut files: Vec<ScanFile>, options: ScanOptions) -> Result<ScanFile> {
+    check_distinct(files.iter().flat_map(|file| &file.about.models).map(|model| &model.path))?;
+    let of_files = files.iter_mut().map(|file| FileUnit {
+        name: file.name(),
+        stated: file.unit(),
+        scene: &mut file.scene,
+    });
+    let unit = to_one_unit(of_files.collect(), options.unit)?;
+    let limits = files.first().map_or_else(Limits::default, |file| file.limits);
+    let objects = files.iter().map(|ScanFile { scene, about, .. }| {
+        let stem = about.models.first().map(ModelFile::stem).unwrap_or_default();
+        named_by_file(about.objects.clone(), &stem, scene.instances().len())
+    });
+    let objects = Objects::of_all(objects);
+    let copyright = rights(&files);
+    let is_in_memory = files.iter().any(|file| file.about.models.is_empty());
+    let (mut parts, mut warnings) = (SceneData::default(), Warnings::default());
+    let (mut models, mut others, mut packets) = (Vec::new(), Vec::new(), Vec::new());
+    for ScanFile { scene, about, .. } in files {
+        parts.append(scene.into_data());
+        let label = about.models.first().map_or_else(String::new, |model| format!("{}: ", model.name()));
+        about.warnings.iter().for_each(|(what, count)| warnings.note(format!("{label}{what}"), count));
+        models.extend(about.models);
+        others.extend(about.files);
+        packets.extend(about.xmp);
     }
-}
-
-/// Corrects faults and gaps of a scan's file according to the options, and notes them.
-fn correct(scene: &mut Scene, about: &mut About) -> Result<()> {
-    let mut parts = std::mem::take(scene).into_data();
-    let unit = about.unit();
-    turn_triangles(&mut parts, unit, &mut about.warnings)?;
-    compute_normals(&mut parts, &about.options, &mut about.warnings)?;
-    note_contradicting_normals(&parts, unit, &mut about.warnings);
-    set_green(&mut parts, &about.options, &mut about.warnings);
-    *scene = Scene::new(parts)?;
-    about.size = ScanSize::of(scene, about.carried.maps());
-    Ok(())
-}
-
-/// Returns `true` if a model of this format, as [`taotie_io::Loaded`] names it, is glTF.
-pub(in crate::asset) fn is_gltf(format: &str) -> bool {
-    ["glTF", "GLB"].contains(&format)
-}
-
-/// Returns how a format states the unit of lengths, which are then read as metres; `None` if it does not.
-pub(in crate::asset) fn stated_unit(format: &str) -> Option<&'static str> {
-    match format {
-        "glTF" | "GLB" => Some("glTF is in metres"),
-        "FBX" => Some("FBX states its unit"),
-        _ => None,
+    let what = "XMP metadata of further files of the scan, left out except for rights";
+    warnings.note(what, packets.len().saturating_sub(1));
+    let scene = Scene::new(parts)?;
+    check_extent(&scene, "the scan")?;
+    let files = first_of(models.iter().map(|model| model.path.clone()).collect(), others);
+    if is_in_memory {
+        models.clear();
     }
+    let about = About {
+        bytes: sizes(&files)?,
+        models,
+        files,
+        copyright,
+        xmp: packets.into_iter().next(),
+        warnings,
+        objects,
+        options: ScanOptions { unit, ..options },
+        ..About::of(&scene)
+    };
+    Ok(ScanFile { scene, about, limits })
 }
 
-/// Returns a model's file and all others that it was read from, without duplicates.
-pub(in crate::asset) fn all_files(path: &Path, others: &mut Vec<PathBuf>) -> Vec<PathBuf> {
-    others.sort();
-    others.dedup();
-    let others = others.iter().filter(|other| *other != path).cloned();
-    std::iter::once(path.to_path_buf()).chain(others).collect()
-}
-
-/// The minimum and maximum diagonal of a baked model, model units. Outside this range, fourth powers of edge lengths
-/// leave single precision, and distances become meaningless.
-const LEAST_SIZE: f64 = 1e-6;
-const MOST_SIZE: f64 = 1e9;
-
-/// Refuses a model that is only a point, or whose distances cannot be measured.
-pub(super) fn check_extent(scene: &Scene, name: &str) -> Result<()> {
-    let mut positions = scene.meshes().iter().flat_map(|mesh| mesh.positions());
-    let first = positions.next();
-    if !positions.any(|position| Some(position) != first) {
-        return Err(Error::invalid(name, "all its triangles are at one point; there is nothing to bake"));
+/// Returns the distinct rights notices of files.
+fn rights(files: &[ScanFile]) -> Option<String> {
+    let mut known: Vec<String> = Vec::new();
+    for About { copyright, xmp, .. } in files.iter().map(|file| &file.about) {
+        let own = copyright.clone().or_else(|| xmp.as_ref().and_then(xmp_rights));
+        known.extend(own.filter(|own| !known.contains(own)));
     }
-    let size = scene.bounds().map_or(0.0, |bounds| bounds.diagonal());
-    if !(LEAST_SIZE..=MOST_SIZE).contains(&size) {
-        let why = format!("it measures {size:.1e} model units; scale it to between 1e-6 and 1e9");
-        return Err(Error::invalid(name, why));
-    }
-    Ok(())
-}
-
-/// Contents of a scan's file that no bake reads, but that a packed scan keeps.
-const LEFT_OF_FILE: [&str; 3] = [
-    "XMP metadata of the scan other than the whole asset's, left out",
-    "animations of the scan, which is baked at rest",
-    "material variants of the scan, left out: it is baked without any",
-];
-
-/// Notes the contents of a scan's file that no bake reads.
-fn left_of_scan_file(loaded: &mut Loaded) {
-    let Loaded { warnings, xmp, rig, variants, .. } = loaded;
-    let counts = [xmp.len().saturating_sub(1), usize::from(rig.is_some()), variants.names().len()];
-    LEFT_OF_FILE.into_iter().zip(counts).for_each(|(what, count)| warnings.note(what, count));
-}
-
-/// Returns the warnings except those about contents that a packed scan keeps.
-pub(in crate::asset) fn warnings_of_packed_scan(warnings: &Warnings) -> Warnings {
-    let mut left = Warnings::default();
-    let others = warnings.iter().filter(|(what, _)| !LEFT_OF_FILE.contains(what));
-    others.for_each(|(what, count)| left.note(what, count));
-    left
+    (!known.is_empty()).then(|| known.join("; "))
 }

@@ -1,14 +1,50 @@
-//! The size of a scan: the memory that its triangles and textures take, and the size of a map that preserves its
-//! detail.
+//! The files of a scan, with the contents that no bake reads, and its size: the memory that its triangles and textures
+//! take, and the size of a map that preserves its detail.
 
 use super::material::is_plain;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 use taotie_engine::bake::{Maps, lacks_tangents, texel_width};
+use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::image::Texture;
 use taotie_engine::math::scalar;
 use taotie_engine::mesh::Mesh;
 use taotie_engine::proof::{Footprint, edges};
 use taotie_engine::scene::{Instance, Scene};
 use taotie_engine::surface::tangent_bytes;
+use taotie_io::{FileHash, HIGH_MARK, Loaded, Objects, name_before};
+
+/// A model file of a scan.
+#[derive(Debug)]
+pub(in crate::asset) struct ModelFile {
+    pub path: PathBuf,
+    hash: FileHash,
+}
+
+impl ModelFile {
+    /// Starts to hash the file.
+    pub(super) fn begin(path: &Path) -> Self {
+        Self { path: path.to_path_buf(), hash: FileHash::begin(path) }
+    }
+
+    /// Returns its SHA-256, hexadecimal.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if it can no longer be read.
+    pub fn sha256(&self) -> Result<String> {
+        self.hash.get()
+    }
+
+    /// Returns its name without folders.
+    pub fn name(&self) -> String {
+        self.path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+    }
+
+    /// Returns its name without folders and without its extension.
+    pub(super) fn stem(&self) -> String {
+        self.path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+    }
+}
 
 /// The number of triangles and vertices of a scan, their attributes, and the maps that its materials need.
 ///
@@ -209,6 +245,113 @@ impl<'a> Placed<'a> {
             texel: widths.reduce(f32::min).map(|width| width * self.scale as f32),
         }
     }
+}
+
+/// Returns `true` if a model of this format, as [`taotie_io::Loaded`] names it, is glTF.
+pub(in crate::asset) fn is_gltf(format: &str) -> bool {
+    ["glTF", "GLB"].contains(&format)
+}
+
+/// Returns how a format states the unit of lengths, which are then read as metres; `None` if it does not.
+pub(in crate::asset) fn stated_unit(format: &str) -> Option<&'static str> {
+    match format {
+        "glTF" | "GLB" => Some("glTF is in metres"),
+        "FBX" => Some("FBX states its unit"),
+        _ => None,
+    }
+}
+
+/// Returns a model's file and all others that it was read from, without duplicates.
+pub(in crate::asset) fn all_files(path: &Path, others: &mut Vec<PathBuf>) -> Vec<PathBuf> {
+    first_of(vec![path.to_path_buf()], std::mem::take(others))
+}
+
+/// Returns `first` and then the others, sorted, without duplicates.
+pub(super) fn first_of(first: Vec<PathBuf>, mut others: Vec<PathBuf>) -> Vec<PathBuf> {
+    others.sort();
+    others.dedup();
+    others.retain(|other| !first.contains(other));
+    [first, others].concat()
+}
+
+/// Returns the total size of files.
+pub(super) fn sizes(files: &[PathBuf]) -> Result<u64> {
+    files.iter().map(|file| taotie_io::file_size(file)).sum()
+}
+
+/// Refuses files of a scan that are the same.
+pub(super) fn check_distinct<'a>(paths: impl IntoIterator<Item = &'a PathBuf>) -> Result<()> {
+    let mut known: BTreeMap<PathBuf, &PathBuf> = BTreeMap::new();
+    for path in paths {
+        // Reading reports the error of a file that does not exist.
+        let real = path.canonicalize().unwrap_or_else(|_| path.clone());
+        if let Some(other) = known.insert(real, path) {
+            let why = format!("it is the same file as {}; give each file of the scan once", other.display());
+            return Err(Error::invalid(path.display().to_string(), why));
+        }
+    }
+    Ok(())
+}
+
+/// Returns the objects of a file as part of a scan of several, given its name without extension and its number of
+/// instances. Those without a name have that of the file; if the file's name has the mark of a high-poly object, and none
+/// of theirs does, it is before all of theirs.
+pub(super) fn named_by_file(mut objects: Objects, stem: &str, instances: usize) -> Objects {
+    if objects.of_instances.is_empty() {
+        objects = Objects { names: vec![String::new()], of_instances: vec![0; instances].into() };
+    }
+    let is_high = |name: &str| name_before(name, HIGH_MARK).is_some();
+    let is_marked = is_high(stem) && !objects.names.iter().any(|name| is_high(name));
+    for name in &mut objects.names {
+        match name.is_empty() {
+            true => stem.clone_into(name),
+            false if is_marked => *name = format!("{stem}_{name}"),
+            false => {}
+        }
+    }
+    objects
+}
+
+/// The minimum and maximum diagonal of a baked model, model units. Outside this range, fourth powers of edge lengths
+/// leave single precision, and distances become meaningless.
+const LEAST_SIZE: f64 = 1e-6;
+const MOST_SIZE: f64 = 1e9;
+
+/// Refuses a model that is only a point, or whose distances cannot be measured.
+pub(super) fn check_extent(scene: &Scene, name: &str) -> Result<()> {
+    let mut positions = scene.meshes().iter().flat_map(|mesh| mesh.positions());
+    let first = positions.next();
+    if !positions.any(|position| Some(position) != first) {
+        return Err(Error::invalid(name, "all its triangles are at one point; there is nothing to bake"));
+    }
+    let size = scene.bounds().map_or(0.0, |bounds| bounds.diagonal());
+    if !(LEAST_SIZE..=MOST_SIZE).contains(&size) {
+        let why = format!("it measures {size:.1e} model units; scale it to between 1e-6 and 1e9");
+        return Err(Error::invalid(name, why));
+    }
+    Ok(())
+}
+
+/// Contents of a scan's file that no bake reads, but that a packed scan keeps.
+const LEFT_OF_FILE: [&str; 3] = [
+    "XMP metadata of the scan other than the whole asset's, left out",
+    "animations of the scan, which is baked at rest",
+    "material variants of the scan, left out: it is baked without any",
+];
+
+/// Notes the contents of a scan's file that no bake reads.
+pub(super) fn left_of_scan_file(loaded: &mut Loaded) {
+    let Loaded { warnings, xmp, rig, variants, .. } = loaded;
+    let counts = [xmp.len().saturating_sub(1), usize::from(rig.is_some()), variants.names().len()];
+    LEFT_OF_FILE.into_iter().zip(counts).for_each(|(what, count)| warnings.note(what, count));
+}
+
+/// Returns the warnings except those about contents that a packed scan keeps.
+pub(in crate::asset) fn warnings_of_packed_scan(warnings: &Warnings) -> Warnings {
+    let mut left = Warnings::default();
+    let others = warnings.iter().filter(|(what, _)| !LEFT_OF_FILE.contains(what));
+    others.for_each(|(what, count)| left.note(what, count));
+    left
 }
 
 #[cfg(test)]

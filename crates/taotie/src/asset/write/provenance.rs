@@ -284,11 +284,13 @@ fn skew(options: &BakeOptions) -> Option<String> {
 /// Fails if a file cannot be read, or has no valid XMP properties.
 pub(super) fn packet(made: &Made, packing: &Packing) -> Result<Json> {
     let about = &made.about;
-    let name = about.path.file_name().unwrap_or_default().to_string_lossy();
+    let sources = about.models.iter().map(|model| Ok([model.name(), model.sha256()?]));
+    let sources = sources.collect::<Result<Vec<_>>>()?;
+    let sources: Vec<[&str; 2]> =
+        sources.iter().map(|source| source.each_ref().map(String::as_str)).collect();
     let parameters = Parameters::new(&made.options, &made.about.options, packing).with_low(&made.options);
     let done = Provenance {
-        source: &name,
-        sha256: &about.sha256()?,
+        sources: &sources,
         tool: concat!("taotie ", env!("CARGO_PKG_VERSION")),
         parameters: &parameters.record(),
     };

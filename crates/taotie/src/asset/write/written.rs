@@ -240,7 +240,7 @@ fn model_of(files: Vec<FileBytes>) -> Vec<u8> {
 /// Returns the name of nodes and meshes: not that of the output file, since the same asset must give the same bytes
 /// under any name.
 fn name(made: &Made) -> Cow<'_, str> {
-    made.about.path.file_stem().map_or("asset".into(), |stem| stem.to_string_lossy())
+    made.about.path().file_stem().map_or("asset".into(), |stem| stem.to_string_lossy())
 }
 
 /// Returns the contents of an asset with one mesh and one material, without its levels.
