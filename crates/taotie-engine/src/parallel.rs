@@ -161,7 +161,9 @@ mod tests {
     fn the_first_error_is_told_and_numbers_after_it_are_skipped() {
         assert_eq!(try_tasks(3, &|i| Ok(i.to_string())).unwrap(), ["0", "1", "2"]);
         for _ in 0..100 {
-            let result = try_tasks(1000, &|i| if i % 100 == 7 { Err(Error::invalid(i.to_string(), "bad")) } else { Ok(i) });
+            let result = try_tasks(1000, &|i| {
+                if i % 100 == 7 { Err(Error::invalid(i.to_string(), "bad")) } else { Ok(i) }
+            });
             assert!(result.unwrap_err().to_string().starts_with("7:"));
         }
         let called = AtomicUsize::new(0);

@@ -35,6 +35,7 @@ mod indirect;
 mod lamp;
 mod light;
 mod lp;
+mod materials;
 mod multigrid;
 mod photograph;
 mod plane;
@@ -58,6 +59,10 @@ pub use circle::{Circle, Outline};
 pub use depth::Relief;
 pub use estimate::{Estimate, Estimator, PixelEstimate};
 pub use light::Light;
+pub use materials::{
+    Frame, Lamp, LampPlace, Layout, Lens, MaterialEstimate, MaterialMaps, MaterialsEstimate,
+    MaterialsReading, Model, PhotographResiduals, Texel, TexelEstimate, Transforms,
+};
 pub use photograph::{Photograph, Sample, Transfer};
 pub use program::Finish;
 pub use relight::{Basis, Coefficients, ColorModel, ColorReader, Plane, Quality, RelightFormat, Relightable};

@@ -17,11 +17,15 @@ Examples:
   taotie photometric generated -o out --truth truth.normals.exr
   taotie photometric coin/dome.lp -o coin_web --relight openlime,ptm
   taotie photometric old_scan.ptm -o out
+  taotie photometric transforms.json --model vase.glb -o vase_materials
 
 FOLDER holds photographs from one position under changing light, with an .lp file, or filenames.txt, \
 light_directions.txt and light_intensities.txt as in the DiLiGenT data set; or the photographs show chrome balls, from \
 whose highlights the lights follow. A .ptm or .rti file, or the info.json of relight, is relit by 40 lights. 16-bit and float files are read as \
 linear, 8-bit files as sRGB. x points to the right, y up, z towards the camera.
+
+With --model, photographs are from all sides, and transforms.json (NeRF, instant-ngp, nerfstudio) states their cameras and, \
+in a key `light`, their lights: base colour, roughness and metallic are estimated instead of normals.
 
 The displayed uncertainty is the radius in degrees that holds 68 % of the probability.";
 
@@ -29,11 +33,11 @@ The displayed uncertainty is the radius in degrees that holds 68 % of the probab
 #[derive(Args)]
 #[command(before_help = EXAMPLES)]
 pub struct PhotometricArgs {
-    /// The folder of photographs, or their .lp file; or a relightable image
+    /// The folder of photographs, or their .lp file; or a relightable image; or with --model, their transforms.json
     #[arg(value_name = "FOLDER|FILE")]
     pub input: PathBuf,
     /// The folder to write: normals, uncertainty, albedo, base colour, roughness, residuals, mask, depth, plane.glb with the maps,
-    /// relief.glb, report.html, and report.json
+    /// relief.glb, report.html, and report.json; with --model, maps with their uncertainty, model.glb and report.json
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
     /// The mask: white where normals are estimated [default: mask.png next to the photographs, otherwise everything]
@@ -62,6 +66,13 @@ pub struct PhotometricArgs {
     /// Relightable images to write in addition: ptm, ptm-rgb, rti, openlime
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = options::named::<RelightFormat>)]
     pub relight: Vec<RelightFormat>,
+
+    /// A model of the object in the coordinates of the cameras: estimate its materials. FILE is then a transforms.json
+    #[arg(long, value_name = "MODEL", conflicts_with_all = ["mask", "balls", "grey_ball", "flat", "pixel_size", "truth", "relight"])]
+    pub model: Option<PathBuf>,
+    /// Texels along a side of the materials' maps [default: texels about as large as pixels]
+    #[arg(long, value_name = "PIXELS", requires = "model", value_parser = clap::value_parser!(u32).range(1..=16384))]
+    pub size: Option<u32>,
 
     #[command(flatten)]
     pub memory: MemoryArgs,

@@ -2,6 +2,7 @@
 
 mod args;
 mod files;
+mod materials;
 mod page;
 mod relight;
 mod report;
@@ -13,6 +14,7 @@ use crate::bake::clock::Clock;
 use crate::{console, stop};
 use anyhow::{Result, bail};
 use files::albedo_codes;
+use materials::MaterialsReport;
 use page::PhotometricPage;
 use relight::Relighting;
 use report::{Errors, Report};
@@ -29,6 +31,10 @@ const CURVED: f64 = 0.15;
 
 /// Runs the subcommand.
 pub fn run(args: &PhotometricArgs) -> Result<()> {
+    if let Some(model) = &args.model {
+        let report = args.run.in_pool(|| materials::run(args, model))??;
+        return console::report(args.run.json, &report, MaterialsReport::text);
+    }
     let report = args.run.in_pool(|| estimate(args))??;
     console::report(args.run.json, &report, Report::text)
 }
