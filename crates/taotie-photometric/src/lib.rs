@@ -46,6 +46,7 @@ mod relight;
 mod residuals;
 mod robust;
 mod samples;
+mod scan;
 mod set;
 mod sources;
 mod surface;
@@ -60,14 +61,15 @@ pub use depth::Relief;
 pub use estimate::{Estimate, Estimator, PixelEstimate};
 pub use light::Light;
 pub use materials::{
-    Frame, Lamp, LampPlace, Layout, Lens, MaterialEstimate, MaterialMaps, MaterialsEstimate,
-    MaterialsReading, Model, PhotographResiduals, Texel, TexelEstimate, Transforms,
+    Frame, Lamp, LampPlace, Layout, Lens, MaterialEstimate, MaterialMaps, MaterialsEstimate, MaterialsInput,
+    Model, PhotographResiduals, Pose, Texel, TexelEstimate, Transforms,
 };
 pub use photograph::{Photograph, Sample, Transfer};
 pub use program::Finish;
 pub use relight::{Basis, Coefficients, ColorModel, ColorReader, Plane, Quality, RelightFormat, Relightable};
 pub use residuals::LightResiduals;
 pub use samples::{Reading, Samples};
+pub use scan::{Anchoring, ScanHeights};
 pub use set::PhotographSet;
 pub use surfaces::RegionFinish;
 pub use symmetric::Sym2;

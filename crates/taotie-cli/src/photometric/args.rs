@@ -17,6 +17,7 @@ Examples:
   taotie photometric generated -o out --truth truth.normals.exr
   taotie photometric coin/dome.lp -o coin_web --relight openlime,ptm
   taotie photometric old_scan.ptm -o out
+  taotie photometric relief -o out --scan relief.ply --pose camera.json
   taotie photometric transforms.json --model vase.glb -o vase_materials
 
 FOLDER holds photographs from one position under changing light, with an .lp file, or filenames.txt, \
@@ -63,12 +64,19 @@ pub struct PhotometricArgs {
     /// larger, their means over each pixel
     #[arg(long, value_name = "FILE")]
     pub truth: Option<PathBuf>,
+    /// A scan of the object, from which large shapes of the depth are taken
+    #[arg(long, value_name = "SCAN", requires = "pose")]
+    pub scan: Option<PathBuf>,
+    /// The camera of the photographs in the scan's coordinates: a JSON file with the keys `transform_matrix` and `fl_x` or
+    /// `camera_angle_x` of transforms.json
+    #[arg(long, value_name = "FILE", requires = "scan")]
+    pub pose: Option<PathBuf>,
     /// Relightable images to write in addition: ptm, ptm-rgb, rti, openlime
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = options::named::<RelightFormat>)]
     pub relight: Vec<RelightFormat>,
 
     /// A model of the object in the coordinates of the cameras: estimate its materials. FILE is then a transforms.json
-    #[arg(long, value_name = "MODEL", conflicts_with_all = ["mask", "balls", "grey_ball", "flat", "pixel_size", "truth", "relight"])]
+    #[arg(long, value_name = "MODEL", conflicts_with_all = ["mask", "balls", "grey_ball", "flat", "pixel_size", "truth", "scan", "pose", "relight"])]
     pub model: Option<PathBuf>,
     /// Texels along a side of the materials' maps [default: texels about as large as pixels]
     #[arg(long, value_name = "PIXELS", requires = "model", value_parser = clap::value_parser!(u32).range(1..=16384))]
@@ -98,6 +106,9 @@ pub const OUTPUTS: [&str; 14] = [
     "report.json",
 ];
 
+/// The file that is written in addition with a scan.
+pub const ANCHORED: &str = "depth_anchored.png";
+
 fn pixel_size(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(size) if size.is_finite() && size > 0.0 => Ok(size),
@@ -126,12 +137,14 @@ impl PhotometricArgs {
     pub fn claim(&self, files: &FileSet, set: &PhotographSet) -> Result<()> {
         files.protect(set.photographs.iter().map(|photograph| &photograph.path))?;
         files.protect(set.files.iter().chain(&set.mask).chain(&self.mask).chain(&self.truth))?;
+        files.protect(self.scan.iter().chain(&self.pose))?;
         let photographs = set.photographs.iter().filter_map(|photograph| photograph.path.file_name());
         let flat: Vec<PathBuf> =
             self.flat.iter().flat_map(|folder| photographs.clone().map(|name| folder.join(name))).collect();
         files.protect(&flat)?;
         files.claim_folder(&self.output)?;
-        OUTPUTS.iter().try_for_each(|name| files.claim(&self.path(name)))?;
+        let anchored = self.scan.as_ref().map(|_| ANCHORED);
+        OUTPUTS.into_iter().chain(anchored).try_for_each(|name| files.claim(&self.path(name)))?;
         Ok(())
     }
 }

@@ -15,7 +15,7 @@ use taotie_engine::image::{Encoding, Image};
 use taotie_engine::{Progress, Warnings};
 use taotie_io::{FileSet, ImageFormat, PngColor, PngImage, PngSamples};
 use taotie_photometric::{
-    LampPlace, MaterialEstimate, MaterialMaps, MaterialsEstimate, MaterialsReading, Model, Transforms,
+    LampPlace, MaterialEstimate, MaterialMaps, MaterialsEstimate, MaterialsInput, Model, Transforms,
 };
 
 /// Version of the JSON.
@@ -117,10 +117,12 @@ pub fn run(args: &PhotometricArgs, path: &Path) -> Result<MaterialsReport> {
     files.protect(transforms.frames.iter().map(|frame| &frame.path))?;
     files.protect([&args.input, &path.to_path_buf()].into_iter().chain(&loaded.files))?;
     let model = Model::new(loaded.scene).map_err(|error| error.within(path.display()))?;
+    model.check_maps().map_err(|error| error.within(path.display()))?;
     let output = Output { args, files: &files, count: model.materials().len() };
     output.claim()?;
-    let reading = MaterialsReading { side: args.size, transfer: args.encoding, limits };
-    let estimate = MaterialsEstimate::of((&model, &transforms), &reading, &mut warnings, progress)?;
+    let (side, transfer) = (args.size, args.encoding);
+    let input = MaterialsInput { model: &model, transforms: &transforms, side, transfer, limits };
+    let estimate = MaterialsEstimate::of(&input, &mut warnings, progress)?;
     progress.begin("write")?;
     let maps =
         estimate.materials.iter().map(MaterialEstimate::maps).collect::<taotie_engine::Result<Vec<_>>>()?;

@@ -66,9 +66,13 @@ pub struct MaterialsEstimate {
     pub photographs: Vec<PhotographResiduals>,
 }
 
-/// How to estimate materials.
-#[derive(Debug, Clone, Copy)]
-pub struct MaterialsReading {
+/// What materials are estimated from.
+#[derive(Clone, Copy)]
+pub struct MaterialsInput<'a> {
+    /// The shape.
+    pub model: &'a Model,
+    /// The photographs with their cameras and lights.
+    pub transforms: &'a Transforms,
     /// Texels along a side of the maps; `None` for texels about as large as the photographs' pixels.
     pub side: Option<u32>,
     /// The encoding of the photographs.
@@ -83,21 +87,17 @@ impl MaterialsEstimate {
     /// # Errors
     /// Those of reading photographs and laying out maps; [`Error::Invalid`] if no photograph shows the model lit,
     /// [`Error::Limit`], [`Error::Cancelled`].
-    pub fn of(
-        (model, transforms): (&Model, &Transforms),
-        reading: &MaterialsReading,
-        warnings: &mut Warnings,
-        progress: Progress<'_>,
-    ) -> Result<Self> {
+    pub fn of(input: &MaterialsInput<'_>, warnings: &mut Warnings, progress: Progress<'_>) -> Result<Self> {
+        let MaterialsInput { model, transforms, .. } = *input;
         progress.begin("layout")?;
-        let side = match reading.side {
+        model.check_maps()?;
+        let side = match input.side {
             Some(side) => side,
-            None => fitting_side(model, &transforms.frames, &reading.limits)?,
+            None => fitting_side(model, &transforms.frames, &input.limits)?,
         };
         let layouts = model.materials().into_iter().map(|i| Layout::new(model, i, side, warnings));
         let layouts = layouts.collect::<Result<Vec<_>>>()?;
-        let photos =
-            Photos { frames: &transforms.frames, transfer: reading.transfer, limits: reading.limits };
+        let photos = Photos { frames: &transforms.frames, transfer: input.transfer, limits: input.limits };
         let gathered = Gathered::new(model, &layouts, &photos, progress.begin("read")?)?;
         check_seen(&gathered, transforms)?;
         let progress = progress.begin("fit")?;

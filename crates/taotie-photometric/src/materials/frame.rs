@@ -29,6 +29,15 @@ pub struct Lens {
     pub size: [Option<f64>; 2],
 }
 
+/// The camera of photographs from one position.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pose {
+    /// A rigid transform from view space to the model's world space.
+    pub world_from_view: Mat4,
+    /// The projection.
+    pub lens: Lens,
+}
+
 /// A light in world space.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lamp {
@@ -66,6 +75,13 @@ pub struct Projected {
 }
 
 impl Lens {
+    /// Returns the stated size as text if it differs from that of an image.
+    pub fn other_size(&self, size: [u32; 2]) -> Option<String> {
+        let is_other = |axis: usize| self.size[axis].is_some_and(|stated| stated != f64::from(size[axis]));
+        let text = |stated: Option<f64>| stated.map_or("?".to_owned(), |v| v.to_string());
+        (is_other(0) || is_other(1)).then(|| self.size.map(text).join("x"))
+    }
+
     /// Returns the projection onto an image of this size.
     pub fn projection(&self, size: [u32; 2]) -> Projection {
         let size = size.map(f64::from);
@@ -80,6 +96,11 @@ impl Lens {
 }
 
 impl Projection {
+    /// Returns the size of a pixel at a depth, model units.
+    pub fn pixel(&self, depth: f64) -> f64 {
+        depth / self.focal[0].max(self.focal[1])
+    }
+
     /// Returns a point of view space as the camera sees it; `None` if it is behind the camera or outside the image.
     pub fn project(&self, view: Vec3<f64>) -> Option<Projected> {
         let depth = -view.z;
@@ -91,7 +112,7 @@ impl Projection {
             self.centre[1] - self.focal[1] * view.y / depth,
         ];
         let inside = (0..2).all(|axis| place[axis] >= 0.0 && place[axis] <= self.size[axis]);
-        inside.then_some(Projected { place, pixel: depth / self.focal[0].max(self.focal[1]) })
+        inside.then_some(Projected { place, pixel: self.pixel(depth) })
     }
 
     /// Returns the direction of view space that a place in the image shows; its z is −1.

@@ -185,16 +185,9 @@ impl Photo {
 
 /// Rejects a photograph of another size than its lens states.
 fn check_size(frame: &Frame, size: [u32; 2]) -> Result<()> {
-    let is_other = |axis: usize| frame.lens.size[axis].is_some_and(|stated| stated != f64::from(size[axis]));
-    if !is_other(0) && !is_other(1) {
-        return Ok(());
-    }
-    let stated = frame.lens.size.map(|v| v.map_or("?".to_owned(), |v| v.to_string()));
+    let Some(stated) = frame.lens.other_size(size) else { return Ok(()) };
     let what = format!("{}: {}x{} pixels", frame.path.display(), size[0], size[1]);
-    let why = format!(
-        "`w` and `h` of its camera are {} and {}; scale the photograph, or its camera",
-        stated[0], stated[1]
-    );
+    let why = format!("`w` and `h` of its camera are {stated}; scale the photograph, or its camera");
     Err(Error::invalid(what, why))
 }
 

@@ -18,10 +18,8 @@ mod sight;
 mod texel;
 mod transforms;
 
-pub use estimate::{
-    MaterialEstimate, MaterialsEstimate, MaterialsReading, PhotographResiduals, TexelEstimate,
-};
-pub use frame::{Frame, Lamp, LampPlace, Lens};
+pub use estimate::{MaterialEstimate, MaterialsEstimate, MaterialsInput, PhotographResiduals, TexelEstimate};
+pub use frame::{Frame, Lamp, LampPlace, Lens, Pose};
 pub use layout::Layout;
 pub use maps::MaterialMaps;
 pub use model::Model;

@@ -24,20 +24,30 @@ impl Model {
     /// Takes over a scene.
     ///
     /// # Errors
-    /// [`Error::Invalid`] if it has no triangles or no texture coordinates, [`Error::Limit`] beyond 2^32 − 1 vertices.
+    /// [`Error::Invalid`] if it has no triangles, [`Error::Limit`] beyond 2^32 − 1 vertices.
     pub fn new(scene: Scene) -> Result<Self> {
         let surface = TexturedMesh::new(scene.clone())?;
         let mesh = surface.mesh();
         if mesh.triangles().is_empty() {
             return Err(Error::invalid("the model", "it has no triangles"));
         }
-        if surface.map_places().is_empty() {
-            let why = "it has no texture coordinates, which lay out the maps; unwrap it first, e.g. with `taotie bake`";
-            return Err(Error::invalid("the model", why));
-        }
         let bvh = Bvh::of(mesh.triangles().len(), |t| mesh.corners(t));
         let offset = OFFSET * mesh.diagonal();
         Ok(Self { scene, surface, bvh, offset })
+    }
+
+    /// Rejects a model whose materials cannot be measured.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] if it has no texture coordinates.
+    pub fn check_maps(&self) -> Result<()> {
+        match self.surface.map_places().is_empty() {
+            true => {
+                let why = "it has no texture coordinates, which lay out the maps; unwrap it first, e.g. with `taotie bake`";
+                Err(Error::invalid("the model", why))
+            }
+            false => Ok(()),
+        }
     }
 
     /// Returns the indices of the materials that triangles have, in order.

@@ -89,21 +89,13 @@ impl<'a> Sight<'a> {
         if self.model.hides(from, eye - from, 1.0) || self.is_shadowed(from) {
             return None;
         }
-        let far = 2.0 * reach * projected.pixel;
-        CORNERS
-            .iter()
-            .all(|corner| self.continues(texel, (projected, reach), *corner, far))
-            .then_some(Seen { projected, reach })
+        let seen = Seen { projected, reach };
+        CORNERS.iter().all(|corner| self.continues(texel, &seen, *corner)).then_some(seen)
     }
 
     /// Returns true if the surface that a corner of the texel's surroundings shows is the texel's, and lit.
-    fn continues(
-        &self,
-        texel: &Texel,
-        (projected, reach): (Projected, f64),
-        corner: [f64; 2],
-        far: f64,
-    ) -> bool {
+    fn continues(&self, texel: &Texel, seen: &Seen, corner: [f64; 2]) -> bool {
+        let Seen { projected, reach } = *seen;
         let eye = self.frame.world_from_view.axis(3);
         let place = [0, 1].map(|axis| projected.place[axis] + corner[axis] * reach);
         let along = self.frame.world_from_view.transform_vector(self.projection.direction(place));
@@ -111,7 +103,7 @@ impl<'a> Sight<'a> {
         let point = hit.point();
         let position = self.model.position(point);
         let off = (position - texel.position).dot(texel.facet).abs();
-        off < far
+        off < 2.0 * reach * projected.pixel
             && self.model.smooth(point).dot(texel.smooth) > EDGE
             && !self.is_shadowed(self.model.lifted(position, self.model.facet(point.triangle)))
     }

@@ -1,6 +1,6 @@
 //! `transforms.json` of NeRF, instant-ngp and nerfstudio: photographs with their cameras; and, as an addition, their lights.
 
-use super::frame::{Frame, Lamp, LampPlace, Lens};
+use super::frame::{Frame, Lamp, LampPlace, Lens, Pose};
 use crate::folder::check_format;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -58,6 +58,12 @@ struct FrameKeys {
     transform_matrix: Vec<Vec<f64>>,
 }
 
+/// The key of a camera.
+#[derive(Debug, Clone, Deserialize)]
+struct PoseKeys {
+    transform_matrix: Vec<Vec<f64>>,
+}
+
 /// The keys of a light.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -94,12 +100,7 @@ impl Transforms {
     /// [`Error::Io`]; [`Error::Parse`] with the photograph whose keys are wrong or missing; [`Error::Unsupported`] for
     /// distortion, naming the keys, and formats that are not read; [`Error::Limit`] for more than 4,096 photographs.
     pub fn open(path: &Path) -> Result<Self> {
-        let bytes = read_bytes(path)?;
-        if bytes.len() > LONGEST {
-            return Err(Error::limit(path.display().to_string(), "at most 64 MiB of cameras"));
-        }
-        let text = serde_json::from_slice::<Value>(&bytes);
-        let all = text.map_err(|error| Error::parse(path, "JSON", format!("{error}; correct the file")))?;
+        let all = json_of(path)?;
         let Some(frames) = all.get("frames").and_then(Value::as_array).filter(|frames| !frames.is_empty())
         else {
             let what = "missing list of photographs: expected keys `frames`, `file_path` and `transform_matrix` as in NeRF's \
@@ -115,6 +116,42 @@ impl Transforms {
         check_unique(path, &frames)?;
         Ok(Self { path: path.to_path_buf(), frames })
     }
+}
+
+impl Pose {
+    /// Reads the camera of photographs from one position: the keys of `transforms.json` at the top level, or in a single frame,
+    /// whose photograph and light are not read.
+    ///
+    /// # Errors
+    /// As [`Transforms::open`].
+    pub fn open(path: &Path) -> Result<Self> {
+        let all = json_of(path)?;
+        let reader = Reader { path, all: &all };
+        let frames = all.get("frames").and_then(Value::as_array).map(Vec::as_slice);
+        let (own, at) = match (all.get("transform_matrix"), frames) {
+            (Some(_), _) => (&all, "the top level"),
+            (None, Some([frame])) => (frame, "frames[0]"),
+            (None, _) => {
+                let what =
+                    "expected `transform_matrix`, here or in a single frame: the camera of all photographs";
+                return Err(Error::parse(path, "the top level", what));
+            }
+        };
+        let failed = |what: String| Error::parse(path, at, what);
+        let PoseKeys { transform_matrix } = read(own).map_err(failed)?;
+        let lens = reader.lens(own, at)?;
+        Ok(Self { world_from_view: rigid(&transform_matrix).map_err(failed)?, lens })
+    }
+}
+
+/// Reads a file as JSON.
+fn json_of(path: &Path) -> Result<Value> {
+    let bytes = read_bytes(path)?;
+    if bytes.len() > LONGEST {
+        return Err(Error::limit(path.display().to_string(), "at most 64 MiB of cameras"));
+    }
+    let json = serde_json::from_slice::<Value>(&bytes);
+    json.map_err(|error| Error::parse(path, "JSON", format!("{error}; correct the file")))
 }
 
 /// Rejects a photograph that is listed twice.
@@ -318,6 +355,21 @@ mod tests {
         assert_eq!(frames[0].lens.angle, [Some(0.7), None]);
         let lamp = Lamp { place: LampPlace::At(Vec3::new(1.0, 2.0, 4.0)), intensity: [2.0; 3] };
         assert_eq!(frames[0].lamp, lamp);
+    }
+
+    #[test]
+    fn a_single_camera_needs_no_photograph() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("camera.json");
+        let open = |text: String| {
+            std::fs::write(&path, text).unwrap();
+            Pose::open(&path)
+        };
+        let top = open(format!(r#"{{"fl_x": 900, {POSE}}}"#)).unwrap();
+        assert_eq!(top.world_from_view.axis(3), Vec3::new(1.0, 2.0, 3.0));
+        assert_eq!(open(format!(r#"{{"fl_x": 900, "frames": [{{{POSE}}}]}}"#)).unwrap(), top);
+        assert!(open("{}".to_owned()).unwrap_err().to_string().contains("`transform_matrix`"));
+        assert!(open(format!("{{{POSE}}}")).unwrap_err().to_string().contains("focal length"));
     }
 
     #[test]

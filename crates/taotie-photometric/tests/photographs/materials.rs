@@ -1,5 +1,6 @@
 //! Materials from photographs of models whose textures are known, taken by the path tracer with known cameras and lights.
 
+use super::accuracy::data_folder;
 use super::studio::Noise;
 use std::path::{Path, PathBuf};
 use taotie_engine::compare::color_difference;
@@ -17,7 +18,7 @@ use taotie_engine::scene::{
 use taotie_engine::shade::Shading;
 use taotie_engine::{Progress, Warnings};
 use taotie_io::{Limits, PngColor, PngImage, PngSamples, write_png, write_text};
-use taotie_photometric::{MaterialsEstimate, MaterialsReading, Model, Transfer, Transforms};
+use taotie_photometric::{MaterialsEstimate, MaterialsInput, Model, Transfer, Transforms};
 
 /// The full angle of view, radians.
 const ANGLE: f64 = 0.5;
@@ -318,9 +319,9 @@ fn estimated(photographs: &Photographs, scene: &Scene, side: Option<u32>) -> (Ma
     let mut warnings = Warnings::default();
     let model = Model::new(scene.clone()).unwrap();
     let transforms = Transforms::open(&photographs.transforms).unwrap();
-    let reading = MaterialsReading { side, transfer: Transfer::Auto, limits: Limits::default() };
-    let estimate =
-        MaterialsEstimate::of((&model, &transforms), &reading, &mut warnings, Progress::SILENT).unwrap();
+    let (transfer, limits) = (Transfer::Auto, Limits::default());
+    let input = MaterialsInput { model: &model, transforms: &transforms, side, transfer, limits };
+    let estimate = MaterialsEstimate::of(&input, &mut warnings, Progress::SILENT).unwrap();
     (estimate, warnings)
 }
 
@@ -349,5 +350,26 @@ fn bronze_with_patina_is_measured_from_photographs_with_interreflections() {
         let found = errors(&estimate, &truth, 8);
         println!("{bounces} bounces: {found:?}, {:?}", start.elapsed());
         assert!(found.roughness < 0.05 && found.delta_e < 3.0, "{found:?}");
+    }
+}
+
+/// A bottle of metal and plastic with a normal map; the estimate does not know which part is which.
+#[test]
+#[ignore = "takes a minute"]
+fn a_bottle_of_metal_and_plastic_is_measured_from_photographs() {
+    let path = data_folder().join("khronos-gltf-sample-assets/WaterBottle/glTF/WaterBottle.gltf");
+    if !path.is_file() {
+        return;
+    }
+    let mut truth = taotie_io::load_model(path).unwrap().scene;
+    truth.edit(|data| data.materials.iter_mut().for_each(|material| material.emissive = [0.0; 3])).unwrap();
+    for bounces in [0, 4] {
+        let shooting = Shooting { photographs: 160, side: 256, spp: 16, bounces, noise: 0.002, front: -0.95 };
+        let photographs = photograph(&truth, shooting);
+        let start = std::time::Instant::now();
+        let (estimate, _) = estimated(&photographs, &bare(&truth), Some(512));
+        let found = errors(&estimate, &truth, 8);
+        println!("bottle, {bounces} bounces: {found:?}, {:?}", start.elapsed());
+        assert!(found.roughness < 0.06 && found.delta_e < 4.0, "{found:?}");
     }
 }
