@@ -277,6 +277,7 @@ mod tests {
     use crate::materials::reflection::{METALLIC, ROUGHNESS};
     use taotie_engine::math::scalar;
     use taotie_engine::scene::Material;
+    use taotie_engine::shade::SubPixelVariance;
 
     /// Returns directions around the normal.
     fn incident(k: usize) -> Incident {
@@ -285,8 +286,9 @@ mod tests {
             let tilt = 0.15 + 0.9 * (0.37 * k).fract();
             Vec3::new(scalar::cos(angle) * tilt, scalar::sin(angle) * tilt, 1.0).normalize()
         };
+        let variance = SubPixelVariance { curvature: 0.0, normal_variance: 0.0 };
         let (v, l) = (direction(k as f64), direction(0.7 * k as f64 + 3.0));
-        Incident { v, l, irradiance: Vec3::splat(3.0), variance: 0.0 }
+        Incident { v, l, irradiance: Vec3::splat(3.0), variance }
     }
 
     #[test]

@@ -98,14 +98,15 @@ fn with_bends(mut texels: Vec<Texel>, side: usize) -> Vec<Texel> {
 fn texel(model: &Model, point: Point, width: f64, index: u32) -> Texel {
     let smooth = model.smooth(point);
     let at = LookupPoint { point, width: width as f32 };
-    let normal = model.surface.normal(at, smooth.to_f32()).normal.to_f64().normalize_or(smooth);
+    let mapped = model.surface.normal(at, smooth.to_f32());
     let sample = model.surface.sample(at);
     Texel {
         index,
         position: model.position(point),
         facet: model.facet(point.triangle),
         smooth,
-        normal,
+        normal: mapped.normal.to_f64().normalize_or(smooth),
+        variance: f64::from(mapped.variance),
         bend: 0.0,
         width,
         metallic: f64::from(sample.metallic),

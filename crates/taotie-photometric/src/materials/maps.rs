@@ -6,7 +6,9 @@ use super::reflection::{METALLIC, ROUGHNESS, VARIABLES};
 use taotie_engine::error::{Result, Warnings};
 use taotie_engine::image::{Bitmap, Encoding, Image, Sampler, Texels, Texture};
 use taotie_engine::math::srgb::srgb_from_linear;
-use taotie_engine::scene::{AlphaMode, Classic, LAYERS, Material, Scene, Specular, TextureRef, UvTransform};
+use taotie_engine::scene::{
+    AlphaMode, Classic, LAYERS, Layer, Material, Scene, Specular, TextureRef, UvTransform,
+};
 
 /// The maps of one material, row by row from the top. Texels that no photograph shows have the values of those around them.
 pub struct MaterialMaps {
@@ -167,12 +169,17 @@ impl MaterialsEstimate {
     }
 }
 
+/// The layer whose factors are part of the fit.
+const SPECULAR: &str = "KHR_materials_specular";
+
 /// Returns a material with other textures, without the layers that were not measured.
 fn measured(old: &Material, [colors, others]: [TextureRef; 2], warnings: &mut Warnings) -> Material {
-    let dropped: Vec<&str> =
-        LAYERS.iter().filter(|layer| (layer.is_visible)(old)).map(|layer| layer.name).collect();
-    for layer in dropped {
-        warnings.note(format!("a material's {layer} is not measured, and removed"), 1);
+    // Of a specular strength, the factors are known and kept.
+    let is_kept = |layer: &Layer| {
+        layer.extension == SPECULAR && layer.textures.iter().all(|role| role.of(old).is_none())
+    };
+    for layer in LAYERS.iter().filter(|layer| (layer.is_visible)(old) && !is_kept(layer)) {
+        warnings.note(format!("a material's {} is not measured, and removed", layer.name), 1);
     }
     let opaque = old.alpha == AlphaMode::Opaque;
     Material {

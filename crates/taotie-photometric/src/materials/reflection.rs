@@ -6,7 +6,7 @@ use taotie_engine::pixel::{
     Geometry, Incidence, LayerInputs, MaterialUniforms, MaterialValues, NormalValues, PixelInputs,
 };
 use taotie_engine::scene::Material;
-use taotie_engine::shade::Shading;
+use taotie_engine::shade::{Shading, SubPixelVariance};
 use taotie_engine::surface::SurfaceMethod;
 
 /// Variables of a texel: red, green and blue of the base colour, roughness, metallic.
@@ -40,7 +40,7 @@ impl Reflection {
     }
 
     /// Returns the radiance that a texel with this normal reflects to the camera, linear RGB. Normals that vary within the sample
-    /// widen the lobe: α² grows by twice their variance.
+    /// widen the lobe.
     pub fn radiance<L: Number>(
         &self,
         values: &[L; VARIABLES],
@@ -51,8 +51,10 @@ impl Reflection {
         let one = zero.lit(1.0);
         let vector = |v: Vec3<f64>| v.map(|v| zero.lit(v));
         let normal = vector(normal);
-        let alpha = values[ROUGHNESS] * values[ROUGHNESS];
-        let widened = (alpha * alpha + zero.lit(2.0 * light.variance)).sqrt().sqrt();
+        let variance = SubPixelVariance {
+            curvature: zero.lit(light.variance.curvature),
+            normal_variance: zero.lit(light.variance.normal_variance),
+        };
         let inputs = PixelInputs {
             shading: Shading::Ggx,
             geometry: Geometry {
@@ -82,7 +84,7 @@ impl Reflection {
             values: MaterialValues {
                 tint: Vec3::new(values[0], values[1], values[2]),
                 metallic: values[METALLIC],
-                roughness: widened,
+                roughness: variance.widened(values[ROUGHNESS]),
                 specular: zero.lit(self.specular),
                 specular_color: vector(Vec3::from_array(self.specular_color)),
                 occlusion: one,
@@ -118,7 +120,7 @@ mod tests {
             v: unit(0.1, 0.3),
             l: unit(-0.2, 0.1),
             irradiance: Vec3::new(3.0, 2.0, 1.0),
-            variance: 1e-3,
+            variance: SubPixelVariance { curvature: 2e-3, normal_variance: 1e-2 },
         };
         let values = [0.6, 0.4, 0.3, 0.35, 0.6];
         let found = reflection.derived(&values, unit(0.0, 0.1), &light);

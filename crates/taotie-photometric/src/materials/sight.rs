@@ -4,6 +4,7 @@ use super::frame::{Frame, LampPlace, Projected, Projection};
 use super::model::Model;
 use super::texel::Texel;
 use taotie_engine::math::{Mat4, Vec3};
+use taotie_engine::shade::SubPixelVariance;
 
 /// The least n · v and n · l: below, the surface is seen or lit at a grazing angle, and errors of its normal matter.
 const GRAZING: f64 = 0.2;
@@ -40,8 +41,8 @@ pub struct Incident {
     pub l: Vec3<f64>,
     /// Irradiance on a surface that faces it, linear RGB.
     pub irradiance: Vec3<f64>,
-    /// The variance of the normals that a sample is averaged over, in each direction, square radians.
-    pub variance: f64,
+    /// The variance of the normals that a sample is averaged over: within the texel's normal map, and to the texels around.
+    pub variance: SubPixelVariance<f64>,
 }
 
 /// The variance of the places that a sample is averaged over, in each direction, relative to the square of its pixel, or of its
@@ -54,7 +55,9 @@ impl Frame {
         let v = (self.world_from_view.axis(3) - texel.position).normalize_or(texel.facet);
         let (to, irradiance) = self.lamp.seen_from(texel.position);
         let across = texel.bend * footprint;
-        Incident { v, l: to.normalize_or(texel.facet), irradiance, variance: SPREAD * across * across }
+        let variance =
+            SubPixelVariance { curvature: 2.0 * SPREAD * across * across, normal_variance: texel.variance };
+        Incident { v, l: to.normalize_or(texel.facet), irradiance, variance }
     }
 }
 

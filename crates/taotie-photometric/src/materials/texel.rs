@@ -15,6 +15,8 @@ pub struct Texel {
     pub smooth: Vec3<f64>,
     /// Unit normal as a renderer shades it: with the normal map.
     pub normal: Vec3<f64>,
+    /// The variance of the normal map's vectors within the texel, [0, 1].
+    pub variance: f64,
     /// The angle by which the normal differs from those of the texels around, root mean square, radians.
     pub bend: f64,
     /// The side of the texel on the surface, model units.
