@@ -102,6 +102,7 @@ fn texel(model: &Model, point: Point, width: f64, index: u32) -> Texel {
     let sample = model.surface.sample(at);
     Texel {
         index,
+        triangle: point.triangle,
         position: model.position(point),
         facet: model.facet(point.triangle),
         smooth,

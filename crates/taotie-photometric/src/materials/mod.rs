@@ -21,6 +21,7 @@ mod transforms;
 pub use estimate::{MaterialEstimate, MaterialsEstimate, MaterialsInput, PhotographResiduals, TexelEstimate};
 pub use frame::{Frame, Lamp, LampPlace, Lens, Pose};
 pub use layout::Layout;
+pub(crate) use linear::{inverse, times};
 pub use maps::MaterialMaps;
 pub use model::Model;
 pub use texel::Texel;

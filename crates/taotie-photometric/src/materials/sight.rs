@@ -96,7 +96,7 @@ impl<'a> Sight<'a> {
         CORNERS.iter().all(|corner| self.continues(texel, &seen, *corner)).then_some(seen)
     }
 
-    /// Returns true if the surface that a corner of the texel's surroundings shows is the texel's, and lit.
+    /// Returns true if the surface that a corner of the texel's surroundings shows is the texel's, of the same material, and lit.
     fn continues(&self, texel: &Texel, seen: &Seen, corner: [f64; 2]) -> bool {
         let Seen { projected, reach } = *seen;
         let eye = self.frame.world_from_view.axis(3);
@@ -106,7 +106,9 @@ impl<'a> Sight<'a> {
         let point = hit.point();
         let position = self.model.position(point);
         let off = (position - texel.position).dot(texel.facet).abs();
+        let material = |triangle: u32| self.model.surface.material_number(triangle);
         off < 2.0 * reach * projected.pixel
+            && material(hit.triangle) == material(texel.triangle)
             && self.model.smooth(point).dot(texel.smooth) > EDGE
             && !self.is_shadowed(self.model.lifted(position, self.model.facet(point.triangle)))
     }

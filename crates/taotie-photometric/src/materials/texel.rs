@@ -7,6 +7,8 @@ use taotie_engine::math::Vec3;
 pub struct Texel {
     /// Its number, row by row from the top.
     pub index: u32,
+    /// The triangle that covers its centre.
+    pub triangle: u32,
     /// World space.
     pub position: Vec3<f64>,
     /// Unit normal of the triangle.
