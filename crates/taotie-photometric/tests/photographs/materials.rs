@@ -341,12 +341,12 @@ fn a_bronze_is_measured_from_photographs() {
 #[test]
 #[ignore = "takes a minute"]
 fn bronze_with_patina_is_measured_from_photographs_with_interreflections() {
-    let truth = textured(vase(96, 96), &bronze(256, true));
+    let truth = textured(vase(96, 96), &bronze(128, true));
     for bounces in [0, 4] {
-        let shooting = Shooting { photographs: 160, side: 200, spp: 16, bounces, noise: 0.002, front: -0.95 };
+        let shooting = Shooting { photographs: 120, side: 160, spp: 8, bounces, noise: 0.002, front: -0.95 };
         let photographs = photograph(&truth, shooting);
         let start = std::time::Instant::now();
-        let (estimate, _) = estimated(&photographs, &bare(&truth), Some(256));
+        let (estimate, _) = estimated(&photographs, &bare(&truth), Some(128));
         let found = errors(&estimate, &truth, 8);
         println!("{bounces} bounces: {found:?}, {:?}", start.elapsed());
         assert!(found.roughness < 0.05 && found.delta_e < 3.0, "{found:?}");
@@ -364,10 +364,10 @@ fn a_bottle_of_metal_and_plastic_is_measured_from_photographs() {
     let mut truth = taotie_io::load_model(path).unwrap().scene;
     truth.edit(|data| data.materials.iter_mut().for_each(|material| material.emissive = [0.0; 3])).unwrap();
     for bounces in [0, 4] {
-        let shooting = Shooting { photographs: 160, side: 256, spp: 16, bounces, noise: 0.002, front: -0.95 };
+        let shooting = Shooting { photographs: 120, side: 200, spp: 8, bounces, noise: 0.002, front: -0.95 };
         let photographs = photograph(&truth, shooting);
         let start = std::time::Instant::now();
-        let (estimate, _) = estimated(&photographs, &bare(&truth), Some(512));
+        let (estimate, _) = estimated(&photographs, &bare(&truth), Some(256));
         let found = errors(&estimate, &truth, 8);
         println!("bottle, {bounces} bounces: {found:?}, {:?}", start.elapsed());
         assert!(found.roughness < 0.06 && found.delta_e < 4.0, "{found:?}");
