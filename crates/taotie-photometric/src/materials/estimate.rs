@@ -4,6 +4,7 @@ use super::fit::{Expected, Fitted, Observation, TexelFit};
 use super::frame::Frame;
 use super::gather::{ColorSample, Gathered, Photos};
 use super::layout::{Layout, fitting_side};
+use super::linear::squared;
 use super::model::Model;
 use super::neighbourhood::{Measured, Neighbourhood};
 use super::reflection::{METALLIC, Reflection, VARIABLES};
@@ -192,7 +193,7 @@ impl Fitting<'_> {
     fn texels(&self, progress: Progress<'_>) -> Result<Vec<TexelEstimate>> {
         let count = self.layout.texels.len();
         let first = self.each(progress.part(0.0, 0.7), &|texel, observations| {
-            First::new(&self.fit(texel, observations).from_grid(self.metallic_starts(texel)))
+            First::new(&self.fit(texel, observations).searched(self.metallic_starts(texel)))
         })?;
         let scale = self.scale(&first);
         let around: [Neighbourhood; VARIABLES] = std::array::from_fn(|variable| {
@@ -299,16 +300,17 @@ impl Fitting<'_> {
         let count = texels.len();
         let parts = parallel::tasks(count.div_ceil(PART), &|part| {
             let mut sums = vec![[0.0; 2]; self.frames.len()];
-            for i in part * PART..((part + 1) * PART).min(count) {
-                let (texel, values) = (&self.layout.texels[i], texels[i].values.map(f64::from));
+            let range = part * PART..((part + 1) * PART).min(count);
+            for (i, found) in texels.iter().enumerate().take(range.end).skip(range.start) {
+                let (texel, values) = (&self.layout.texels[i], found.values.map(f64::from));
                 for sample in self.gathered.of(i) {
                     let incident =
                         self.frames[sample.frame as usize].incident(texel, f64::from(sample.footprint));
                     let model = self.reflection.radiance(&values, texel.normal, &incident).to_array();
                     let [residuals, samples] = &mut sums[sample.frame as usize];
-                    for c in 0..3 {
-                        *residuals += (f64::from(sample.color[c]) - model[c]).powi(2);
-                        *samples += f64::from(sample.color[c]).powi(2);
+                    for (color, model) in sample.color.map(f64::from).into_iter().zip(model) {
+                        *residuals += squared(color - model);
+                        *samples += squared(color);
                     }
                 }
             }

@@ -1,6 +1,6 @@
 //! The pixel program fitted to the samples of one texel: Gauss-Newton with Levenberg's damping.
 
-use super::linear::{inverse, times};
+use super::linear::{inverse, squared, times};
 use super::reflection::{BOUNDS, Reflection, VARIABLES, Values};
 use super::sight::Incident;
 use super::texel::Texel;
@@ -49,7 +49,7 @@ impl Observation {
         };
         let squares = tangents(normal).map(|tangent| {
             let [more, less] = [1.0, -1.0].map(|sign| grey((normal + tangent * (sign * tilt)).normalize()));
-            (0.5 * (more - less)).powi(2)
+            squared(0.5 * (more - less))
         });
         let square = self.deviation * self.deviation + squares.iter().sum::<f64>();
         Self { deviation: square.sqrt(), ..self }
@@ -105,7 +105,7 @@ struct Sums {
 
 impl TexelFit<'_> {
     /// Returns the best fit from several starts. `metallic` lists its values at the start.
-    pub fn from_grid(&self, metallic: &[f64]) -> Fitted {
+    pub fn searched(&self, metallic: &[f64]) -> Fitted {
         let starts = metallic.iter().filter_map(|metallic| {
             let starts = STARTS.iter().map(|roughness| self.start(*roughness, *metallic));
             starts.map(|start| (self.cost(&start), start)).min_by(|a, b| a.0.total_cmp(&b.0))
@@ -124,7 +124,7 @@ impl TexelFit<'_> {
         let (mut products, mut squares) = ([0.0; 3], [0.0; 3]);
         for observation in self.observations {
             let model = self.reflection.radiance(&values, self.normal, &observation.incident).to_array();
-            let precision = observation.deviation.powi(-2);
+            let precision = 1.0 / squared(observation.deviation);
             for c in 0..3 {
                 products[c] += precision * model[c] * observation.color[c];
                 squares[c] += precision * model[c] * model[c];
@@ -142,8 +142,8 @@ impl TexelFit<'_> {
             return [1.0 / (1.0 + square), 3.0 * Lane::ln(1.0 + square)];
         }
         let inside = (1.0 - square / (bound * bound)).max(0.0);
-        let most = bound * bound / self.scale.powi(2);
-        [inside * inside / self.scale.powi(2), most * (1.0 - inside * inside * inside)]
+        let most = bound * bound / squared(self.scale);
+        [inside * inside / squared(self.scale), most * (1.0 - inside * inside * inside)]
     }
 
     /// Returns the sum of the bounded squares of residuals, and of those from what is expected.
@@ -155,7 +155,7 @@ impl TexelFit<'_> {
                 let model = self.reflection.radiance(values, self.normal, &observation.incident).to_array();
                 let deviation = observation.deviation;
                 let square: f64 =
-                    (0..3).map(|c| ((observation.color[c] - model[c]) / deviation).powi(2)).sum();
+                    (0..3).map(|c| squared((observation.color[c] - model[c]) / deviation)).sum();
                 self.robust(square / 3.0)[1]
             })
             .sum();
@@ -164,7 +164,7 @@ impl TexelFit<'_> {
 
     fn expectation(&self, values: &Values) -> f64 {
         let square = |(value, expected): (&f64, &Option<Expected>)| {
-            expected.map_or(0.0, |Expected { mean, deviation }| ((value - mean) / deviation).powi(2))
+            expected.map_or(0.0, |Expected { mean, deviation }| squared((value - mean) / deviation))
         };
         values.iter().zip(&self.expected).map(square).sum()
     }
@@ -185,7 +185,7 @@ impl TexelFit<'_> {
             let square = residuals.iter().map(|r| r * r).sum::<f64>() / 3.0;
             let [weight, cost] = self.robust(square);
             sums.cost += cost;
-            let share = weight * if self.scale.is_finite() { self.scale.powi(2) } else { 1.0 };
+            let share = weight * if self.scale.is_finite() { squared(self.scale) } else { 1.0 };
             sums.squares += 3.0 * share * square;
             sums.weight += 3.0 * share;
             for (residual, model) in residuals.iter().zip(&model) {
@@ -198,8 +198,8 @@ impl TexelFit<'_> {
         }
         for (i, expected) in self.expected.iter().enumerate() {
             if let Some(Expected { mean, deviation }) = expected {
-                sums.matrix[i][i] += deviation.powi(-2);
-                sums.pull[i] += (mean - values[i]) * deviation.powi(-2);
+                sums.matrix[i][i] += 1.0 / squared(*deviation);
+                sums.pull[i] += (mean - values[i]) / squared(*deviation);
             }
         }
         sums
@@ -242,7 +242,7 @@ const UNKNOWN: f64 = 0.288_675_134_594_812_9;
 /// Returns the matrix with the certainty that all variables are in [0, 1].
 fn regular(matrix: &[[f64; VARIABLES]; VARIABLES]) -> [[f64; VARIABLES]; VARIABLES] {
     let mut matrix = *matrix;
-    (0..VARIABLES).for_each(|i| matrix[i][i] += UNKNOWN.powi(-2));
+    (0..VARIABLES).for_each(|i| matrix[i][i] += 1.0 / squared(UNKNOWN));
     matrix
 }
 
@@ -253,14 +253,14 @@ fn is_held(sums: &Sums, values: &Values, i: usize) -> bool {
 
 /// Returns the matrix in which held variables are not connected to others.
 fn free(sums: &Sums, values: &Values) -> [[f64; VARIABLES]; VARIABLES] {
-    let mut matrix = sums.matrix;
-    for i in 0..VARIABLES {
-        matrix[i][i] += 1e-9;
-        if is_held(sums, values, i) {
-            (0..VARIABLES).filter(|j| *j != i).for_each(|j| (matrix[i][j], matrix[j][i]) = (0.0, 0.0));
-        }
-    }
-    matrix
+    let is_held: [bool; VARIABLES] = std::array::from_fn(|i| is_held(sums, values, i));
+    std::array::from_fn(|i| {
+        std::array::from_fn(|j| match i == j {
+            true => sums.matrix[i][i] + 1e-9,
+            false if is_held[i] || is_held[j] => 0.0,
+            false => sums.matrix[i][j],
+        })
+    })
 }
 
 fn pull(sums: &Sums, values: &Values) -> [f64; VARIABLES] {
@@ -311,7 +311,7 @@ mod tests {
                 scale,
                 expected: [None; VARIABLES],
             };
-            let start = fit(f64::INFINITY).from_grid(&[0.0, 1.0]);
+            let start = fit(f64::INFINITY).searched(&[0.0, 1.0]);
             let found = fit(0.1).refined(start.values);
             for i in 0..VARIABLES {
                 assert!((found.values[i] - truth[i]).abs() < 0.01, "{truth:?}: {found:?}");

@@ -18,7 +18,7 @@ pub fn inverse<const N: usize>(matrix: &[[f64; N]; N]) -> Option<[[f64; N]; N]> 
         }
     }
     let mut result = [[0.0; N]; N];
-    for column in 0..N {
+    for (column, result) in result.iter_mut().enumerate() {
         let mut x = [0.0; N];
         for i in 0..N {
             let rest: f64 = (0..i).map(|k| lower[i][k] * x[k]).sum();
@@ -28,9 +28,16 @@ pub fn inverse<const N: usize>(matrix: &[[f64; N]; N]) -> Option<[[f64; N]; N]> 
             let rest: f64 = (i + 1..N).map(|k| lower[k][i] * x[k]).sum();
             x[i] = (x[i] - rest) / lower[i][i];
         }
-        (0..N).for_each(|i| result[i][column] = x[i]);
+        // The inverse is symmetric: its rows are its columns.
+        *result = x;
     }
     Some(result)
+}
+
+/// Returns the square of a number.
+#[inline]
+pub fn squared(v: f64) -> f64 {
+    v * v
 }
 
 /// Returns the product of a matrix with a vector.
@@ -46,9 +53,8 @@ mod tests {
     fn a_matrix_times_its_inverse_is_one() {
         let matrix = [[4.0, 1.0, 0.5], [1.0, 3.0, -0.2], [0.5, -0.2, 2.0]];
         let inverse = inverse(&matrix).unwrap();
-        for i in 0..3 {
-            let column: [f64; 3] = std::array::from_fn(|j| inverse[j][i]);
-            let product = times(&matrix, &column);
+        for (i, column) in inverse.iter().enumerate() {
+            let product = times(&matrix, column);
             (0..3).for_each(|j| assert!((product[j] - f64::from(u8::from(i == j))).abs() < 1e-12));
         }
         assert_eq!(super::inverse(&[[1.0, 2.0], [2.0, 1.0]]), None);

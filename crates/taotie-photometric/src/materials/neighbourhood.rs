@@ -94,7 +94,9 @@ mod tests {
         let side = 64;
         let value = |i: u32| match i % 64 < 32 {
             true => Measured { texel: i, value: 0.3, deviation: 0.02 },
-            false => Measured { texel: i, value: 0.7, deviation: if i % 2 == 0 { 0.02 } else { 10.0 } },
+            false => {
+                Measured { texel: i, value: 0.7, deviation: if i.is_multiple_of(2) { 0.02 } else { 10.0 } }
+            }
         };
         let mut measured: Vec<Measured> = (0..side * side).map(value).collect();
         measured.iter_mut().filter(|of| of.deviation > 1.0).for_each(|of| of.value = 0.0);

@@ -158,16 +158,13 @@ fn json_of(path: &Path) -> Result<Value> {
 fn check_unique(path: &Path, frames: &[Frame]) -> Result<()> {
     let mut sorted: Vec<(usize, &Frame)> = frames.iter().enumerate().collect();
     sorted.sort_by(|(_, a), (_, b)| a.path.cmp(&b.path));
-    for pair in sorted.windows(2).filter(|pair| pair[0].1.path == pair[1].1.path) {
+    let same = sorted.windows(2).find(|pair| pair[0].1.path == pair[1].1.path);
+    same.map_or(Ok(()), |pair| {
         let [first, second] = [pair[0].0.min(pair[1].0), pair[0].0.max(pair[1].0)];
         let name = quote(&pair[0].1.path.display().to_string());
-        return Err(Error::parse(
-            path,
-            format!("frames[{second}]"),
-            format!("{name} is also frames[{first}]; list it once"),
-        ));
-    }
-    Ok(())
+        let what = format!("{name} is also frames[{first}]; list it once");
+        Err(Error::parse(path, format!("frames[{second}]"), what))
+    })
 }
 
 /// Reads the photographs of a file.
@@ -202,8 +199,8 @@ impl Reader<'_> {
         if path.is_file() {
             return Ok(path);
         }
-        let with = |extension: &&str| PathBuf::from(format!("{}.{extension}", path.display()));
-        let found = EXTENSIONS.iter().map(|extension| with(&extension)).find(|path| path.is_file());
+        let with = |extension: &str| PathBuf::from(format!("{}.{extension}", path.display()));
+        let found = EXTENSIONS.iter().map(|extension| with(extension)).find(|path| path.is_file());
         found.ok_or_else(|| {
             format!(
                 "{} does not exist; correct `file_path` or add the photograph",

@@ -370,6 +370,6 @@ fn a_bottle_of_metal_and_plastic_is_measured_from_photographs() {
         let (estimate, _) = estimated(&photographs, &bare(&truth), Some(256));
         let found = errors(&estimate, &truth, 8);
         println!("bottle, {bounces} bounces: {found:?}, {:?}", start.elapsed());
-        assert!(found.roughness < 0.06 && found.delta_e < 4.0, "{found:?}");
+        assert!(found.roughness < 0.04 && found.delta_e < 6.0, "{found:?}");
     }
 }
