@@ -35,6 +35,7 @@ mod indirect;
 mod lamp;
 mod light;
 mod lp;
+mod materials;
 mod multigrid;
 mod photograph;
 mod plane;
@@ -45,6 +46,7 @@ mod relight;
 mod residuals;
 mod robust;
 mod samples;
+mod scan;
 mod set;
 mod sources;
 mod surface;
@@ -58,11 +60,16 @@ pub use circle::{Circle, Outline};
 pub use depth::Relief;
 pub use estimate::{Estimate, Estimator, PixelEstimate};
 pub use light::Light;
+pub use materials::{
+    Frame, Lamp, LampPlace, Layout, Lens, MaterialEstimate, MaterialMaps, MaterialsEstimate, MaterialsInput,
+    Model, PhotographResiduals, Pose, Texel, TexelEstimate, Transforms,
+};
 pub use photograph::{Photograph, Sample, Transfer};
 pub use program::Finish;
 pub use relight::{Basis, Coefficients, ColorModel, ColorReader, Plane, Quality, RelightFormat, Relightable};
 pub use residuals::LightResiduals;
 pub use samples::{Reading, Samples};
+pub use scan::{Anchoring, ScanHeights};
 pub use set::PhotographSet;
 pub use surfaces::RegionFinish;
 pub use symmetric::Sym2;

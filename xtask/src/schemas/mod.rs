@@ -39,7 +39,7 @@ const fn printed(name: &'static str, title: &'static str, root: &'static str) ->
 }
 
 /// All documents.
-const DOCUMENTS: [Printed; 20] = [
+const DOCUMENTS: [Printed; 21] = [
     printed("bake", "taotie bake --json, and OUT.report.json", "taotie::asset::proof::report::Report"),
     printed("batch", "taotie batch --json", "taotie_cli::batch::Report"),
     printed("batch-check", "taotie batch --check --json", "taotie_cli::batch::AuditReport"),
@@ -65,6 +65,11 @@ const DOCUMENTS: [Printed; 20] = [
         "photometric",
         "taotie photometric --json, and report.json",
         "taotie_cli::photometric::report::Report",
+    ),
+    printed(
+        "photometric-materials",
+        "taotie photometric --model --json, and report.json",
+        "taotie_cli::photometric::materials::MaterialsReport",
     ),
     printed("progress", "a line on stderr with --progress", "taotie_cli::console::ProgressLine"),
     printed("render", "taotie render --json", "taotie_cli::render::Printed"),

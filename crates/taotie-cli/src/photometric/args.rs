@@ -17,11 +17,16 @@ Examples:
   taotie photometric generated -o out --truth truth.normals.exr
   taotie photometric coin/dome.lp -o coin_web --relight openlime,ptm
   taotie photometric old_scan.ptm -o out
+  taotie photometric relief -o out --scan relief.ply --pose camera.json
+  taotie photometric transforms.json --model vase.glb -o vase_materials
 
 FOLDER holds photographs from one position under changing light, with an .lp file, or filenames.txt, \
 light_directions.txt and light_intensities.txt as in the DiLiGenT data set; or the photographs show chrome balls, from \
 whose highlights the lights follow. A .ptm or .rti file, or the info.json of relight, is relit by 40 lights. 16-bit and float files are read as \
 linear, 8-bit files as sRGB. x points to the right, y up, z towards the camera.
+
+With --model, photographs are from all sides, and transforms.json (NeRF, instant-ngp, nerfstudio) states their cameras and, \
+in a key `light`, their lights: base colour, roughness and metallic are estimated instead of normals.
 
 The displayed uncertainty is the radius in degrees that holds 68 % of the probability.";
 
@@ -29,11 +34,11 @@ The displayed uncertainty is the radius in degrees that holds 68 % of the probab
 #[derive(Args)]
 #[command(before_help = EXAMPLES)]
 pub struct PhotometricArgs {
-    /// The folder of photographs, or their .lp file; or a relightable image
+    /// The folder of photographs, or their .lp file; or a relightable image; or with --model, their transforms.json
     #[arg(value_name = "FOLDER|FILE")]
     pub input: PathBuf,
     /// The folder to write: normals, uncertainty, albedo, base colour, roughness, residuals, mask, depth, plane.glb with the maps,
-    /// relief.glb, report.html, and report.json
+    /// relief.glb, report.html, and report.json; with --model, maps with their uncertainty, model.glb and report.json
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
     /// The mask: white where normals are estimated [default: mask.png next to the photographs, otherwise everything]
@@ -59,9 +64,23 @@ pub struct PhotometricArgs {
     /// larger, their means over each pixel
     #[arg(long, value_name = "FILE")]
     pub truth: Option<PathBuf>,
+    /// A scan of the object, from which large shapes of the depth are taken
+    #[arg(long, value_name = "SCAN", requires = "pose")]
+    pub scan: Option<PathBuf>,
+    /// The camera of the photographs in the scan's coordinates: a JSON file with the keys `transform_matrix` and `fl_x` or
+    /// `camera_angle_x` of transforms.json
+    #[arg(long, value_name = "FILE", requires = "scan")]
+    pub pose: Option<PathBuf>,
     /// Relightable images to write in addition: ptm, ptm-rgb, rti, openlime
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = options::named::<RelightFormat>)]
     pub relight: Vec<RelightFormat>,
+
+    /// A model of the object in the coordinates of the cameras: estimate its materials. FILE is then a transforms.json
+    #[arg(long, value_name = "MODEL", conflicts_with_all = ["mask", "balls", "grey_ball", "flat", "pixel_size", "truth", "scan", "pose", "relight"])]
+    pub model: Option<PathBuf>,
+    /// Texels along a side of the materials' maps [default: texels about as large as pixels]
+    #[arg(long, value_name = "PIXELS", requires = "model", value_parser = clap::value_parser!(u32).range(1..=16384))]
+    pub size: Option<u32>,
 
     #[command(flatten)]
     pub memory: MemoryArgs,
@@ -86,6 +105,9 @@ pub const OUTPUTS: [&str; 14] = [
     "report.html",
     "report.json",
 ];
+
+/// The file that is written in addition with a scan.
+pub const ANCHORED: &str = "depth_anchored.png";
 
 fn pixel_size(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
@@ -115,12 +137,14 @@ impl PhotometricArgs {
     pub fn claim(&self, files: &FileSet, set: &PhotographSet) -> Result<()> {
         files.protect(set.photographs.iter().map(|photograph| &photograph.path))?;
         files.protect(set.files.iter().chain(&set.mask).chain(&self.mask).chain(&self.truth))?;
+        files.protect(self.scan.iter().chain(&self.pose))?;
         let photographs = set.photographs.iter().filter_map(|photograph| photograph.path.file_name());
         let flat: Vec<PathBuf> =
             self.flat.iter().flat_map(|folder| photographs.clone().map(|name| folder.join(name))).collect();
         files.protect(&flat)?;
         files.claim_folder(&self.output)?;
-        OUTPUTS.iter().try_for_each(|name| files.claim(&self.path(name)))?;
+        let anchored = self.scan.as_ref().map(|_| ANCHORED);
+        OUTPUTS.into_iter().chain(anchored).try_for_each(|name| files.claim(&self.path(name)))?;
         Ok(())
     }
 }

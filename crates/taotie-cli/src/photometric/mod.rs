@@ -2,9 +2,11 @@
 
 mod args;
 mod files;
+mod materials;
 mod page;
 mod relight;
 mod report;
+mod scan;
 
 pub use args::PhotometricArgs;
 pub use files::Output;
@@ -13,9 +15,11 @@ use crate::bake::clock::Clock;
 use crate::{console, stop};
 use anyhow::{Result, bail};
 use files::albedo_codes;
+use materials::MaterialsReport;
 use page::PhotometricPage;
 use relight::Relighting;
 use report::{Errors, Report};
+use scan::Scan;
 use std::path::Path;
 use taotie::comparison::diff::guessed_encoding;
 use taotie_engine::compare::{NormalEncoding, angular_error, stored_normals};
@@ -29,6 +33,10 @@ const CURVED: f64 = 0.15;
 
 /// Runs the subcommand.
 pub fn run(args: &PhotometricArgs) -> Result<()> {
+    if let Some(model) = &args.model {
+        let report = args.run.in_pool(|| materials::run(args, model))??;
+        return console::report(args.run.json, &report, MaterialsReport::text);
+    }
     let report = args.run.in_pool(|| estimate(args))??;
     console::report(args.run.json, &report, Report::text)
 }
@@ -45,6 +53,7 @@ fn estimate(args: &PhotometricArgs) -> Result<Report> {
     let set = PhotographSet::open_with(&args.input, &args.setup(), &mut warnings, progress)?;
     args.claim(&files, &set)?;
     relight::claim(args, &files, &set)?;
+    let scan = Scan::read(args, &files, &mut warnings)?;
     let truth = args.truth.as_deref().map(|path| read_truth(args, path)).transpose()?;
     let reading = Reading {
         mask: args.mask.as_deref(),
@@ -74,7 +83,8 @@ fn estimate(args: &PhotometricArgs) -> Result<Report> {
         );
         warnings.note(what, 1);
     }
-    let relief = estimate.relief(progress.begin("depth")?)?;
+    let mut relief = estimate.relief(progress.begin("depth")?)?;
+    let anchoring = scan.map(|scan| scan.anchor(&mut relief, (args, &files), &mut warnings)).transpose()?;
     progress.begin("write")?;
     let output = Output {
         folder: &args.output,
@@ -89,6 +99,7 @@ fn estimate(args: &PhotometricArgs) -> Result<Report> {
     let errors = truth.as_ref().map(|truth| errors(&estimate, truth)).transpose()?;
     let mut report = Report::new(args, &set, &samples, &estimate);
     report.truth = errors;
+    report.scan = anchoring;
     report.relight = relightable;
     report.warnings = warnings.list();
     let page = PhotometricPage {

@@ -1,7 +1,7 @@
 //! The report of `taotie photometric`: as JSON, and as text.
 
 use super::PhotometricArgs;
-use super::args::OUTPUTS;
+use super::args::{ANCHORED, OUTPUTS};
 use super::relight::RelightReport;
 use crate::console::name_of;
 use serde::Serialize;
@@ -11,7 +11,9 @@ use taotie::asset::StageTime;
 use taotie_engine::compare::{Summary, angular_error};
 use taotie_engine::math::Vec3;
 use taotie_engine::names::Named;
-use taotie_photometric::{Coverage, Estimate, Estimator, Outline, PhotographSet, RegionFinish, Samples};
+use taotie_photometric::{
+    Anchoring, Coverage, Estimate, Estimator, Outline, PhotographSet, RegionFinish, Samples,
+};
 use taotie_report::table::summary_text;
 
 /// Version of the JSON.
@@ -73,6 +75,8 @@ pub struct Report {
     pub photographs: Vec<PhotographReport>,
     /// The relightable images that were written.
     pub relight: Vec<RelightReport>,
+    /// How the depth follows the scan.
+    pub scan: Option<Anchoring>,
     /// Degrees between the estimates and the true normals.
     pub truth: Option<Errors>,
     /// The duration of each stage.
@@ -163,6 +167,7 @@ impl Report {
             unexplained: estimate.unexplained,
             photographs: lights.map(photograph).collect(),
             relight: Vec::new(),
+            scan: None,
             truth: None,
             stages: Vec::new(),
             warnings: Vec::new(),
@@ -275,8 +280,15 @@ impl Report {
                 *bytes as f64 / 1e6
             );
         }
+        if let Some(Anchoring { scanned, moved, residual, .. }) = &self.scan {
+            let _ = writeln!(
+                text,
+                "scan       {scanned} pixels; moved heights by {moved:.2} pixels rms; {residual:.2} pixels remain (median)"
+            );
+        }
         let relight = self.relight.iter().map(|relight| relight.file);
-        let files: Vec<&str> = OUTPUTS.into_iter().chain(relight).collect();
+        let anchored = self.scan.map(|_| ANCHORED);
+        let files: Vec<&str> = OUTPUTS.into_iter().chain(anchored).chain(relight).collect();
         let _ = write!(text, "\nwrote {} to {}", files.join(", "), self.output);
         text
     }

@@ -161,3 +161,137 @@ fn errors_are_errors_and_leave_nothing_behind() {
         assert!(!place.path("out").exists(), "{line}");
     }
 }
+
+/// Photographs of a wavy sheet from several sides, as EXR, with `transforms.json`.
+fn from_all_sides() -> Place {
+    const SIDE: usize = 24;
+    const COUNT: usize = 16;
+    let mut obj = String::from("mtllib sheet.mtl\nusemtl paint\n");
+    for i in 0..SIDE * SIDE {
+        let [u, v] = [i % SIDE, i / SIDE].map(|v| v as f64 / (SIDE - 1) as f64);
+        let z = 0.03 * (libm::sin(10.0 * u) + libm::sin(8.0 * v));
+        obj += &format!("v {:.5} {:.5} {z:.5}\nvt {u:.5} {v:.5}\n", 2.0 * u - 1.0, 2.0 * v - 1.0);
+    }
+    for (x, y) in (0..SIDE - 1).flat_map(|y| (0..SIDE - 1).map(move |x| (x, y))) {
+        let a = y * SIDE + x + 1;
+        let corners = [a, a + 1, a + SIDE + 1, a + SIDE].map(|v| format!("{v}/{v}"));
+        obj += &format!("f {}\n", corners.join(" "));
+    }
+    let place = Place::with("sheet.obj", obj);
+    place.write("sheet.mtl", "newmtl paint\nKd 0.5 0.2 0.1\nPr 0.4\nPm 0\n");
+    let mut frames = Vec::new();
+    for k in 0..COUNT {
+        let [azimuth, elevation] = [35.0 * libm::sin(2.4 * k as f64), 30.0 * libm::cos(1.7 * k as f64)];
+        let from = [40.0 * libm::cos(1.1 * k as f64), 30.0 * libm::sin(1.3 * k as f64)];
+        let (orbit, light) = (
+            format!("{azimuth},{elevation},6"),
+            format!("directional from={},{} strength=2", from[0], from[1]),
+        );
+        let output = format!("side{k}.exr");
+        let mut arguments = vec!["render", "sheet.obj", "--light", &light, "-o", &output, "--orbit", &orbit];
+        arguments
+            .extend("--target 0,0,0 --fov-deg 25 --env none --size 64 --shadows --shading ggx".split(' '));
+        place.taotie_with(&arguments).assert().success();
+        let [(sa, ca), (se, ce)] =
+            [azimuth, elevation].map(|v: f64| (libm::sin(v.to_radians()), libm::cos(v.to_radians())));
+        let (right, up, back) = ([ca, 0.0, -sa], [-se * sa, ce, -se * ca], [ce * sa, se, ce * ca]);
+        let row = |i: usize| format!("[{}, {}, {}, {}]", right[i], up[i], back[i], 6.0 * back[i]);
+        let [a, e] = from.map(f64::to_radians);
+        let light = [libm::sin(a) * libm::cos(e), libm::sin(e), libm::cos(a) * libm::cos(e)];
+        frames.push(format!(
+            "{{\"file_path\": \"side{k}.exr\", \"transform_matrix\": [{}, {}, {}, [0, 0, 0, 1]], \"light\": \
+             {{\"direction\": {light:?}, \"space\": \"camera\", \"intensity\": 2}}}}",
+            row(0),
+            row(1),
+            row(2)
+        ));
+    }
+    let angle = 25_f64.to_radians();
+    let text = format!(
+        "{{\"camera_angle_y\": {angle}, \"w\": 64, \"h\": 64, \"frames\": [{}]}}",
+        frames.join(",\n")
+    );
+    place.write("transforms.json", text);
+    place
+}
+
+#[test]
+fn materials_are_those_of_the_model() {
+    let place = from_all_sides();
+    let command = "photometric transforms.json --model sheet.obj -o out --json --threads 2";
+    let run = place.taotie(command).assert().success();
+    let report: Value = serde_json::from_slice(&run.get_output().stdout).expect("it is JSON");
+    schemas::check("photometric-materials", &report);
+    let material = &report["materials"][0];
+    let number = |name: &str| material[name].as_f64().expect("a number");
+    assert!((number("roughness") - 0.4).abs() < 0.05, "{report:#}");
+    assert!(number("metallic") < 0.1 && number("samples") > 10.0, "{report:#}");
+    assert_eq!((&report["side"], &material["keeps_metallic"]), (&64.into(), &false.into()));
+    place.taotie("photometric transforms.json --model sheet.obj -o again --threads 1").assert().success();
+    for name in [
+        "base_color.png",
+        "roughness.png",
+        "metallic.png",
+        "mask.png",
+        "base_color_sigma.exr",
+        "sigma.exr",
+        "model.glb",
+    ] {
+        assert_eq!(place.read(&format!("out/{name}")), place.read(&format!("again/{name}")), "{name}");
+    }
+    place.taotie("render out/model.glb -o picture.png --size 32").assert().success();
+}
+
+#[test]
+fn cameras_that_do_not_fit_are_errors() {
+    let place = from_all_sides();
+    let text = String::from_utf8(place.read("transforms.json")).expect("it is text");
+    let why = |text: String, model: &str| {
+        place.write("other.json", text);
+        let run = place.taotie(&format!("photometric other.json --model {model} -o out")).assert().failure();
+        String::from_utf8_lossy(&run.get_output().stderr).into_owned()
+    };
+    assert!(why(text.replace("side3.exr", "side33.exr"), "sheet.obj").contains("side33.exr' does not exist"));
+    let error = why(text.replace("\"w\": 64", "\"w\": 80"), "sheet.obj");
+    assert!(error.contains("64x64 pixels") && error.contains("80x64"), "{error}");
+    let away = text.replace("\"direction\": [", "\"direction\": [0, 0, -1], \"x\": [");
+    assert!(why(away, "sheet.obj").contains("unknown field"));
+    let behind = text.replace("\"space\": \"camera\", \"intensity\": 2", "\"intensity\": 2");
+    let behind = behind.split("\"direction\": [").enumerate().map(|(i, part)| match i {
+        0 => part.to_owned(),
+        _ => format!("\"direction\": [0, 0, -1{}", &part[part.find(']').expect("a vector")..]),
+    });
+    assert!(why(behind.collect(), "sheet.obj").contains("no photograph shows a lit part"));
+    place.write("bare.obj", waves());
+    assert!(why(text, "bare.obj").contains("texture coordinates"));
+}
+
+#[test]
+fn large_shapes_of_the_depth_follow_a_scan() {
+    let place = photographed();
+    // The camera of `--orbit 0,0 --fov-deg 3`, which fills the picture with the sheet.
+    let inspect = place.taotie("photometric dome.lp -o plain --json").assert().success();
+    let plain: Value = serde_json::from_slice(&inspect.get_output().stdout).expect("it is JSON");
+    assert_eq!(plain["scan"], Value::Null);
+    let pose = |z: f64| {
+        format!(
+            "{{\"camera_angle_y\": {}, \"w\": 64, \"h\": 64, \"transform_matrix\": \
+             [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, {z}], [0, 0, 0, 1]]}}",
+            3_f64.to_radians()
+        )
+    };
+    place.write("camera.json", pose(40.0));
+    let command = "photometric dome.lp -o out --scan waves.obj --pose camera.json --json";
+    let run = place.taotie(command).assert().success();
+    let report: Value = serde_json::from_slice(&run.get_output().stdout).expect("it is JSON");
+    schemas::check("photometric", &report);
+    let number = |name: &str| report["scan"][name].as_f64().expect("a number");
+    assert!(number("scanned") > 2000.0 && number("residual") < 0.8, "{report:#}");
+    assert!(place.path("out/depth_anchored.png").is_file());
+    place.write("camera.json", pose(-40.0));
+    let run =
+        place.taotie("photometric dome.lp -o out --scan waves.obj --pose camera.json").assert().failure();
+    assert!(String::from_utf8_lossy(&run.get_output().stderr).contains("does not see the scan"));
+    let run = place.taotie("photometric dome.lp -o out --scan waves.obj").assert().failure();
+    assert!(String::from_utf8_lossy(&run.get_output().stderr).contains("--pose"));
+}

@@ -1,7 +1,7 @@
 //! Errors of the estimators, and how well their uncertainty describes them, on photographs with known normals.
 
 use crate::studio::{Finish, Photographs, Shooting, photograph, relief};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use taotie_engine::compare::angular_error;
 use taotie_engine::mesh::Mesh;
 use taotie_engine::{Progress, Warnings};
@@ -119,11 +119,16 @@ fn without_shadows_and_highlights_the_estimate_is_as_good_as_least_squares() {
     assert_calibrated(&[found], [0.2, 0.05], [0.2, 0.05]);
 }
 
+/// The folder of models by others, which may not exist.
+pub fn data_folder() -> PathBuf {
+    std::env::var_os("TAOTIE_DATA")
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"), Into::into)
+}
+
 #[test]
 #[ignore = "traces 720 pictures, which takes minutes without optimisation"]
 fn shared_statues_are_measured_if_present() {
-    let data = std::env::var_os("TAOTIE_DATA")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"), Into::into);
+    let data = data_folder();
     let models = [
         ("nefertiti", "odedstein-meshes/nefertiti/nefertiti-lowres.obj"),
         ("koala", "odedstein-meshes/koala/koala_low_resolution.obj"),

@@ -4,6 +4,7 @@
 mod accuracy;
 mod balls;
 mod malformed;
+mod materials;
 mod plane;
 mod relight;
 mod speed;

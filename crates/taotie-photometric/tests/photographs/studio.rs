@@ -95,7 +95,7 @@ pub fn photograph(mesh: Mesh, finish: &Finish, shooting: Shooting) -> Photograph
         })
         .collect();
     let exposure = exposure(&images, &truth);
-    let mut noise = Noise(1);
+    let mut noise = Noise::new(1);
     let mut lp = format!("{}\n", lights.len());
     for (k, (image, light)) in images.iter().zip(&lights).enumerate() {
         let name = format!("photo {:03}.png", k + 1);
@@ -200,15 +200,20 @@ fn exposure(images: &[Image], truth: &Image) -> f64 {
 }
 
 /// Normally distributed numbers.
-struct Noise(u64);
+pub struct Noise(u64);
 
 impl Noise {
+    /// Starts a sequence.
+    pub fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
     fn unit(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         ((self.0 >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
     }
 
-    fn normal(&mut self) -> f64 {
+    pub fn normal(&mut self) -> f64 {
         (-2.0 * scalar::ln(self.unit())).sqrt() * scalar::cos(std::f64::consts::TAU * self.unit())
     }
 }
@@ -234,7 +239,7 @@ fn write(path: &Path, side: u32, (color, samples): (PngColor, PngSamples<'_>), e
 /// Returns a square relief of bumps and hollows; `depth` scales it.
 pub fn relief(depth: f64) -> Mesh {
     const SIDE: u32 = 160;
-    let mut noise = Noise(3);
+    let mut noise = Noise::new(3);
     let bumps: Vec<[f64; 4]> = (0..30)
         .map(|_| {
             let [x, y] = [0; 2].map(|_| 1.8 * noise.unit() - 0.9);
