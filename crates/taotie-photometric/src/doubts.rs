@@ -12,7 +12,7 @@ const CURVED: f64 = 0.15;
 /// as sRGB.
 const ENCODINGS: [f64; 2] = [0.3, 3.0];
 /// The median residual, relative to the albedo, that no curve of brightness explains.
-const UNEXPLAINED: f64 = 0.2;
+const UNEXPLAINED: f64 = 0.12;
 
 impl Estimate {
     /// Notes what is likely wrong with photographs or lights.
@@ -32,7 +32,7 @@ impl Estimate {
     }
 
     fn note_misfit(&self, samples: &Samples, warnings: &mut Warnings) {
-        let residual = self.median_residual();
+        let residual = self.misfit;
         let curved = self.exponent.filter(|exponent| (exponent - 1.0).abs() > CURVED);
         let is_encoding = |exponent: f64| (ENCODINGS[0]..ENCODINGS[1]).contains(&exponent);
         if residual > UNEXPLAINED || curved.is_some_and(|exponent| !is_encoding(exponent)) {
@@ -57,16 +57,6 @@ impl Estimate {
                 samples.images.len()
             );
             warnings.note(what, 1);
-        }
-    }
-
-    /// Returns the median of the residuals of all pixels, relative to their albedo; 0 without any.
-    fn median_residual(&self) -> f64 {
-        let mut residuals: Vec<f64> = self.best.iter().flatten().map(|best| best.residual).collect();
-        let middle = residuals.len() / 2;
-        match residuals.len() {
-            0 => 0.0,
-            _ => *residuals.select_nth_unstable_by(middle, f64::total_cmp).1,
         }
     }
 }

@@ -4,7 +4,7 @@ use crate::appearance::Fitting;
 use crate::block::LANES;
 use crate::finish::FEWEST_LIGHTS;
 use crate::grid::Grid;
-use crate::indirect::Indirect;
+use crate::indirect::{Indirect, quantile};
 use crate::program::Finish;
 use crate::residuals::{LightResiduals, PixelResiduals, Residuals};
 use crate::robust::{self, Fit, Robust, Scratch};
@@ -25,6 +25,9 @@ const MOST_SIGMA_DEG: f64 = 45.0;
 
 /// The residual of lit samples relative to the albedo beyond which few photographs do not show the reflection.
 const MOST_RESIDUAL: f64 = 0.1;
+
+/// The fraction of the samples that may be saturated: a bright background may surround the object.
+const OVEREXPOSED: f64 = 0.95;
 
 /// Blocks of a task.
 const BLOCKS: usize = 64;
@@ -69,6 +72,8 @@ pub struct Estimate {
     direct: Vec<Vec3<f64>>,
     /// The residuals under each light.
     pub lights: Vec<LightResiduals>,
+    /// The median over pixels of the residuals' standard deviation, relative to the grey of the robust fit.
+    pub misfit: f64,
     /// `true` if no reflection is fitted since residuals are large, as by highlights, and photographs few.
     pub is_glossy: bool,
     /// The exponent between fitted and measured brightness: near 1 if the photographs are linear.
@@ -104,6 +109,9 @@ impl Estimate {
     /// # Errors
     /// [`Error::Cancelled`]; [`Error::Invalid`] if no pixel has a normal.
     pub fn of(samples: &Samples, progress: Progress<'_>) -> Result<Self> {
+        if saturated(samples) > OVEREXPOSED {
+            return Err(Error::invalid("no pixel has a normal", why_none(samples)));
+        }
         let [width, height] = [samples.width, samples.height].map(|v| v as usize);
         let grid = Grid::new(width, height, samples.pixels.clone());
         let robust = Robust::new(samples);
@@ -141,6 +149,7 @@ impl Estimate {
             robust: fits.iter().map(|fit| unit(fit.robust)).collect(),
             direct: indirect.direct.iter().map(|b| unit(*b)).collect(),
             lights,
+            misfit: misfit(&of_pixels, &fits),
             is_glossy,
             exponent: residuals.exponent(),
             albedo: indirect.albedo,
@@ -216,15 +225,26 @@ fn lit_residual(lights: &[LightResiduals]) -> f64 {
     (squares.sum::<f64>() / lights.len().max(1) as f64).sqrt()
 }
 
+/// Returns the median residual relative to the robust fit.
+fn misfit(residuals: &[PixelResiduals], fits: &[Fit]) -> f64 {
+    let relative = residuals.iter().zip(fits).filter(|(residuals, _)| residuals.inverse.is_some());
+    let relative = relative
+        .map(|(residuals, fit)| residuals.variance.sqrt() / fit.robust.length().max(f64::MIN_POSITIVE));
+    quantile(relative.collect(), 0.5)
+}
+
+/// Returns the fraction of the samples that are saturated.
+fn saturated(samples: &Samples) -> f64 {
+    samples.saturated() as f64 / (samples.pixels.len() * samples.images.len()) as f64
+}
+
 /// Returns the reason why no pixel has a normal.
 fn why_none(samples: &Samples) -> String {
-    let (saturated, all) = (samples.saturated(), samples.pixels.len() * samples.images.len());
-    match 2 * saturated > all {
-        true => {
-            format!("{saturated} of {all} samples within the mask are saturated: expose the photographs less")
-        }
-        false => "the photographs are black within the mask, or do not fit the lights".to_owned(),
+    if saturated(samples) < 0.5 {
+        return "the photographs are black within the mask, or do not fit the lights".to_owned();
     }
+    let (count, all) = (samples.saturated(), samples.pixels.len() * samples.images.len());
+    format!("{count} of {all} samples within the mask are saturated: expose the photographs less")
 }
 
 /// Returns the fit of each pixel.

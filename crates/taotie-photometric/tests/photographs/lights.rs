@@ -53,7 +53,9 @@ fn wrong_lights_are_noticed() {
         assert!(words.starts_with("the lights' y seems to point down"), "{depth}: {words}");
         let shifted = with_lights(&photographs, |k, lights| lights[(k + 1) % lights.len()]);
         let (_, words) = estimate(&shifted, Transfer::Auto);
-        assert!(words.contains("check the order of the lights"), "{depth}: {words}");
+        println!("{depth} shifted: {words}");
+        // On a gentle relief, all lights have much the same effect.
+        assert_eq!(words.contains("check the order of the lights"), depth > 1.0, "{depth}: {words}");
         assert!(!words.contains("--encoding"), "{depth}: {words}");
         let (found, words) = estimate(&photographs.lp, Transfer::Srgb);
         println!("{depth} curved: {:?}", found.exponent);
