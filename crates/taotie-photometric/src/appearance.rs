@@ -4,6 +4,7 @@
 //! since the model explains them, but the less the brighter they are, since it does so only roughly. Gauss-Newton with
 //! Levenberg's damping minimises Tukey's biweight.
 
+use crate::grid::Grid;
 use crate::indirect::{Indirect, quantile};
 use crate::program::{ALL, Finish, Lit, OWN, Surface};
 use crate::robust::Fit;
@@ -34,13 +35,43 @@ const LONGEST: f64 = 0.2;
 const LEAST_ALBEDO: f64 = 0.02;
 /// Sum of weights below which a pixel is not fitted.
 const FEWEST: f64 = 5.0;
+/// The difference from its neighbours' median normal from which a pixel is fitted again, radians.
+const DIFFERENT: f64 = 0.02;
+/// The fewest neighbours with a surface that a pixel is compared with.
+const FEWEST_AROUND: usize = 4;
+/// Pixels of a task.
+const PART: usize = 512;
+
+/// The robust fit of a pixel that its samples are compared with.
+#[derive(Debug, Clone, Copy)]
+pub struct Reference {
+    pixel: usize,
+    /// Normal times albedo: darker samples are in shadow.
+    b: Vec3<f64>,
+    /// Standard deviation of the residuals.
+    scale: f64,
+    /// Deviations from which a sample has no weight.
+    cut: f64,
+    /// The indirect light that `b` contains.
+    removed: Vec3<f64>,
+}
+
+impl Reference {
+    fn new(pixel: usize, fit: &Fit, direct: Vec3<f64>) -> Self {
+        let (scale, cut) = match fit.scale.is_finite() {
+            true => (fit.scale, CUT[0]),
+            false => (fit.deviation, CUT[1]),
+        };
+        let scale = scale.max(LEAST * fit.robust.length()).max(f64::MIN_POSITIVE);
+        Self { pixel, b: fit.robust, scale, cut, removed: fit.robust - direct }
+    }
+}
 
 /// The samples of all pixels with their robust fits.
-#[derive(Clone, Copy)]
 pub struct Fitting<'a> {
     samples: &'a Samples,
-    fits: &'a [Fit],
     indirect: &'a Indirect,
+    references: Vec<Reference>,
     /// Irradiance on a plane that faces the light, so that base colours are those that indirect light shows.
     pub irradiance: f64,
 }
@@ -80,7 +111,9 @@ impl<'a> Fitting<'a> {
     pub fn new(samples: &'a Samples, fits: &'a [Fit], indirect: &'a Indirect) -> Self {
         let bright = quantile(indirect.direct.iter().map(|b| b.length()).collect(), 0.95);
         let irradiance = PI * bright / indirect.albedo.max(LEAST_ALBEDO);
-        Self { samples, fits, indirect, irradiance }
+        let pixels = fits.iter().zip(&indirect.direct).enumerate();
+        let references = pixels.map(|(i, (fit, direct))| Reference::new(i, fit, *direct)).collect();
+        Self { samples, indirect, references, irradiance }
     }
 
     /// The number of lights.
@@ -110,24 +143,18 @@ impl<'a> Fitting<'a> {
     #[inline(always)]
     fn visit<const N: usize>(
         &self,
-        pixel: usize,
+        reference: &Reference,
         surface: &Surface,
         lights: impl Fn(usize) -> bool,
         mut out: impl FnMut(usize, f64, Dual<f64, N>, [f64; 2]),
     ) {
-        let fit = &self.fits[pixel];
-        let (scale, cut) = match fit.scale.is_finite() {
-            true => (fit.scale, CUT[0]),
-            false => (fit.deviation, CUT[1]),
-        };
-        let scale = scale.max(LEAST * fit.robust.length()).max(f64::MIN_POSITIVE);
-        let removed = fit.robust - self.indirect.direct[pixel];
+        let Reference { pixel, b, scale, cut, removed } = *reference;
         let lit: Lit<N> = surface.under(self.irradiance);
         let diffuse = lit.diffuse();
         for k in (0..self.lights()).filter(|k| lights(*k)) {
             let (l, sample) = (self.samples.direction(k, pixel), self.samples.images[k][pixel]);
             let (cosine, grey) = (surface.normal.dot(l), f64::from(sample.grey()));
-            let in_shadow = cosine < GRAZING || grey < fit.robust.dot(l) - SHADOW * scale;
+            let in_shadow = cosine < GRAZING || grey < b.dot(l) - SHADOW * scale;
             if sample.is_saturated() || in_shadow {
                 continue;
             }
@@ -149,8 +176,17 @@ impl<'a> Fitting<'a> {
         surface: &Surface,
         lights: impl Fn(usize) -> bool,
     ) -> Sums {
+        self.sums_at::<N>(&self.references[pixel], surface, lights)
+    }
+
+    fn sums_at<const N: usize>(
+        &self,
+        reference: &Reference,
+        surface: &Surface,
+        lights: impl Fn(usize) -> bool,
+    ) -> Sums {
         let mut sums = Sums::default();
-        self.visit::<N>(pixel, surface, lights, |_, sample, model, [inside, precision]| {
+        self.visit::<N>(reference, surface, lights, |_, sample, model, [inside, precision]| {
             sums.cost += 1.0 - inside * inside * inside;
             let weight = inside * inside * precision;
             let off = (sample - model.value) * weight;
@@ -174,14 +210,23 @@ impl<'a> Fitting<'a> {
 
     /// Fits normal and base colour to some of the lights; `None` if too few samples agree with any surface nearby.
     pub fn surface(&self, pixel: usize, start: Surface, lights: impl Fn(usize) -> bool) -> Option<Surface> {
+        self.surface_at(&self.references[pixel], start, lights)
+    }
+
+    fn surface_at(
+        &self,
+        reference: &Reference,
+        start: Surface,
+        lights: impl Fn(usize) -> bool,
+    ) -> Option<Surface> {
         let mut surface = start;
-        let mut sums = self.sums::<OWN>(pixel, &surface, &lights);
+        let mut sums = self.sums_at::<OWN>(reference, &surface, &lights);
         let mut damping = 1e-3;
         for _ in 0..STEPS {
             let Some(inverse) = damped(&sums.own, damping).inverse() else { break };
             let step = inverse.times(sums.pull);
             let next = moved(&surface, step);
-            let of_next = self.sums::<OWN>(pixel, &next, &lights);
+            let of_next = self.sums_at::<OWN>(reference, &next, &lights);
             if of_next.cost > sums.cost {
                 damping *= 10.0;
                 continue;
@@ -200,7 +245,7 @@ impl<'a> Fitting<'a> {
         let length = surface.under::<OWN>(self.irradiance).diffuse().max(f64::MIN_POSITIVE);
         let [t, u] = surface.tangents;
         self.visit::<OWN>(
-            pixel,
+            &self.references[pixel],
             surface,
             |_| true,
             |k, sample, model, [inside, precision]| {
@@ -212,6 +257,89 @@ impl<'a> Fitting<'a> {
                 };
             },
         );
+    }
+}
+
+impl Fitting<'_> {
+    /// Fits pixels again from the surfaces of their neighbours, if theirs differ, and keeps what explains the samples better:
+    /// of a pixel whose robust fit is wrong, the wrong samples are taken for shadows.
+    pub fn retry(&mut self, grid: &Grid, surfaces: &mut [Option<Surface>]) {
+        let found = parallel::tasks(surfaces.len().div_ceil(PART), &|part| {
+            let pixels = part * PART..((part + 1) * PART).min(surfaces.len());
+            pixels.filter_map(|pixel| self.retried(grid, surfaces, pixel)).collect::<Vec<_>>()
+        });
+        for (reference, surface) in found.into_iter().flatten() {
+            surfaces[reference.pixel] = Some(surface);
+            self.references[reference.pixel] = reference;
+        }
+    }
+
+    fn retried(
+        &self,
+        grid: &Grid,
+        surfaces: &[Option<Surface>],
+        pixel: usize,
+    ) -> Option<(Reference, Surface)> {
+        let around: Vec<(&Reference, Surface)> = grid
+            .around(pixel)
+            .filter(|other| *other != pixel)
+            .filter_map(|other| Some((&self.references[other], surfaces[other]?)))
+            .collect();
+        let finish = around.first()?.1.finish;
+        let own = surfaces[pixel].unwrap_or_else(|| self.start(pixel, finish));
+        if around.len() < FEWEST_AROUND {
+            return None;
+        }
+        let median = |value: &dyn Fn(&Reference, &Surface) -> f64| {
+            quantile(around.iter().map(|(reference, surface)| value(reference, surface)).collect(), 0.5)
+        };
+        let normal = unit(Vec3::new(
+            median(&|_, surface| surface.normal.x),
+            median(&|_, surface| surface.normal.y),
+            median(&|_, surface| surface.normal.z),
+        ));
+        if (normal - own.normal).length() < DIFFERENT {
+            return None;
+        }
+        let start = self.with_color(pixel, Surface { normal, tangents: tangents(normal), ..own });
+        let removed = self.references[pixel].removed;
+        let b = normal * start.under::<OWN>(self.irradiance).diffuse() + removed;
+        let relative = |reference: &Reference, _: &Surface| {
+            reference.scale / reference.b.length().max(f64::MIN_POSITIVE)
+        };
+        let scale = (median(&relative) * b.length()).max(f64::MIN_POSITIVE);
+        let reference = Reference { pixel, b, scale, cut: median(&|reference, _| reference.cut), removed };
+        let surface = self.surface_at(&reference, start, |_| true)?;
+        (self.misfit(&reference, &surface) < self.misfit(&reference, &own)).then_some((reference, surface))
+    }
+
+    /// Returns a surface with the colour that the median sample of a pixel shows.
+    fn with_color(&self, pixel: usize, surface: Surface) -> Surface {
+        let lit: Lit<OWN> = surface.under(self.irradiance);
+        let ratios = (0..self.lights()).filter_map(|k| {
+            let l = self.samples.direction(k, pixel);
+            let model = lit.sample(l).value;
+            (surface.normal.dot(l) > GRAZING && model > 0.0)
+                .then(|| f64::from(self.samples.images[k][pixel].grey()) / model)
+        });
+        Surface { color: (surface.color * quantile(ratios.collect(), 0.5)).clamp(1e-6, 1e6), ..surface }
+    }
+
+    /// Returns the sum of bounded squares of all samples that are not saturated, in shadow or not.
+    fn misfit(&self, reference: &Reference, surface: &Surface) -> f64 {
+        let Reference { pixel, scale, cut, removed, .. } = *reference;
+        let lit: Lit<OWN> = surface.under(self.irradiance);
+        let diffuse = lit.diffuse();
+        let bounded = |k: usize| {
+            let (l, sample) = (self.samples.direction(k, pixel), self.samples.images[k][pixel]);
+            let cosine = surface.normal.dot(l);
+            let model = if cosine > 0.0 { lit.sample(l).value } else { 0.0 };
+            let deviation = scale + HIGHLIGHT * (model - diffuse * cosine.max(0.0)).max(0.0);
+            let off = f64::from(sample.grey()) - removed.dot(l).max(0.0) - model;
+            let relative = off / (cut * deviation);
+            if sample.is_saturated() { 0.0 } else { (relative * relative).min(1.0) }
+        };
+        (0..self.lights()).map(bounded).sum()
     }
 }
 

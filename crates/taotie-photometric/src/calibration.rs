@@ -282,11 +282,15 @@ const LEAST_COSINE: f64 = 0.3;
 /// The fraction of a grey ball's radius that counts.
 const GREY_INSIDE: f64 = 0.9;
 
+/// The root mean square difference from a matt ball, relative to its brightness, beyond which there is none.
+const MOST_GREY_MISFIT: f64 = 0.15;
+
 /// Returns the brightness of each light relative to their mean, from a matt grey ball: the median of I / (n · l) over
 /// the lit part.
 ///
 /// # Errors
-/// Those of reading images, [`Error::Invalid`] if the ball is outside or dark, [`Error::Cancelled`].
+/// Those of reading images, [`Error::Invalid`] if the ball is outside, dark, or not shaded like a matt ball,
+/// [`Error::Cancelled`].
 pub fn brightness_of(
     photographs: &[Photograph],
     ball: &Circle,
@@ -305,22 +309,45 @@ pub fn brightness_of(
         if !ball.is_within([image.width, image.height]) {
             return Err(wrong("it must be within the photographs"));
         }
-        let mut ratios = ratios(&image, ball, &photograph.light);
+        let lit = lit_part(&image, ball, &photograph.light);
+        let mut ratios: Vec<f64> = lit.iter().map(|[cosine, grey]| grey / cosine).collect();
         let middle = ratios.len() / 2;
-        match ratios.len() {
-            0 => Err(wrong("no lit pixel on it; correct the circle or the lights")),
-            _ => Ok(*ratios.select_nth_unstable_by(middle, f64::total_cmp).1),
+        if ratios.is_empty() {
+            return Err(wrong("no lit pixel on it; correct the circle or the lights"));
         }
+        let brightness = *ratios.select_nth_unstable_by(middle, f64::total_cmp).1;
+        Ok([brightness, misfit(&lit, brightness)])
     })?;
-    let mean = found.iter().sum::<f64>() / found.len().max(1) as f64;
-    Ok(found.iter().map(|v| v / mean).collect())
+    let mean = |of: usize| found.iter().map(|found| found[of]).sum::<f64>() / found.len().max(1) as f64;
+    let (average, misfit) = (mean(0), mean(1).sqrt());
+    if misfit > MOST_GREY_MISFIT {
+        let [x, y] = ball.center;
+        return Err(Error::invalid(
+            format!("grey ball {x},{y},{}", ball.radius),
+            format!(
+                "its shading differs by {:.0} % from that of a matt ball, {:.0} % at most are expected; correct the circle or \
+                 the lights",
+                100.0 * misfit,
+                100.0 * MOST_GREY_MISFIT
+            ),
+        ));
+    }
+    Ok(found.iter().map(|[brightness, _]| brightness / average).collect())
 }
 
-/// Returns I / (n · l) of the lit pixels of a ball.
-fn ratios(image: &GreyImage, ball: &Circle, light: &Light) -> Vec<f64> {
+/// Returns the mean squared difference of the lit pixels of a ball from a matt one, relative to their mean square.
+fn misfit(lit: &[[f64; 2]], brightness: f64) -> f64 {
+    let squares =
+        |value: &dyn Fn(&[f64; 2]) -> f64| lit.iter().map(|pixel| value(pixel) * value(pixel)).sum::<f64>();
+    let rest = squares(&|[cosine, grey]| grey - brightness * cosine);
+    rest / squares(&|[_, grey]| *grey).max(f64::MIN_POSITIVE)
+}
+
+/// Returns n · l and I of the lit pixels of a ball.
+fn lit_part(image: &GreyImage, ball: &Circle, light: &Light) -> Vec<[f64; 2]> {
     let inner = Circle { radius: GREY_INSIDE * ball.radius, ..*ball };
     let size = [image.width, image.height];
-    let ratio = |i: usize| {
+    let lit = |i: usize| {
         let pixel = [i % image.width, i / image.width];
         if !inner.holds(pixel, 0.0) {
             return None;
@@ -331,7 +358,7 @@ fn ratios(image: &GreyImage, ball: &Circle, light: &Light) -> Vec<f64> {
         let at = light.at(pixel, size);
         let cosine = normal.dot(at.direction);
         let grey = f64::from(image.values[i]) * at.falloff;
-        (cosine > LEAST_COSINE && grey > 0.0).then(|| grey / cosine)
+        (cosine > LEAST_COSINE && grey > 0.0).then_some([cosine, grey])
     };
-    (0..image.values.len()).filter_map(ratio).collect()
+    (0..image.values.len()).filter_map(lit).collect()
 }

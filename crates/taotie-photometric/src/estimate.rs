@@ -2,8 +2,9 @@
 
 use crate::appearance::Fitting;
 use crate::block::LANES;
+use crate::finish::FEWEST_LIGHTS;
 use crate::grid::Grid;
-use crate::indirect::{ASSUMED_ALBEDO, Indirect};
+use crate::indirect::{Indirect, quantile};
 use crate::program::Finish;
 use crate::residuals::{LightResiduals, PixelResiduals, Residuals};
 use crate::robust::{self, Fit, Robust, Scratch};
@@ -21,6 +22,12 @@ use taotie_engine::{Progress, parallel};
 
 /// The largest uncertainty of a normal, degrees. Beyond it, as in a dark background, the normal means nothing.
 const MOST_SIGMA_DEG: f64 = 45.0;
+
+/// The residual of lit samples relative to the albedo beyond which few photographs do not show the reflection.
+const MOST_RESIDUAL: f64 = 0.1;
+
+/// The fraction of the samples that may be saturated: a bright background may surround the object.
+const OVEREXPOSED: f64 = 0.95;
 
 /// Blocks of a task.
 const BLOCKS: usize = 64;
@@ -65,6 +72,10 @@ pub struct Estimate {
     direct: Vec<Vec3<f64>>,
     /// The residuals under each light.
     pub lights: Vec<LightResiduals>,
+    /// The median over pixels of the residuals' standard deviation, relative to the grey of the robust fit.
+    pub misfit: f64,
+    /// `true` if no reflection is fitted since residuals are large, as by highlights, and photographs few.
+    pub is_glossy: bool,
     /// The exponent between fitted and measured brightness: near 1 if the photographs are linear.
     pub exponent: Option<f64>,
     /// Albedo of bright pixels, as indirect light shows it.
@@ -98,21 +109,27 @@ impl Estimate {
     /// # Errors
     /// [`Error::Cancelled`]; [`Error::Invalid`] if no pixel has a normal.
     pub fn of(samples: &Samples, progress: Progress<'_>) -> Result<Self> {
+        if saturated(samples) > OVEREXPOSED {
+            return Err(Error::invalid("no pixel has a normal", why_none(samples)));
+        }
         let [width, height] = [samples.width, samples.height].map(|v| v as usize);
         let grid = Grid::new(width, height, samples.pixels.clone());
         let robust = Robust::new(samples);
         let fits = fits(&robust, samples, progress.stage("fit"))?;
         let residuals = Residuals::new(samples, &grid, robust.lights(), &fits);
+        let lights = residuals.of_lights();
+        let is_glossy =
+            !samples.is_relit && lights.len() < FEWEST_LIGHTS && lit_residual(&lights) > MOST_RESIDUAL;
         let fitted: Vec<Vec3<f64>> = fits.iter().map(|fit| fit.robust).collect();
         let few = robust.lights().len() < robust::FEWEST;
         let indirect = match few {
-            true => Indirect { direct: fitted.clone(), albedo: ASSUMED_ALBEDO, shadows: 0, unexplained: 0.0 },
+            true => Indirect::none(fitted),
             false => Indirect::remove(samples, &grid, &fitted, progress.begin("indirect light")?)?,
         };
-        let fitting = Fitting::new(samples, &fits, &indirect);
-        let surfaces = match few || samples.is_relit {
+        let mut fitting = Fitting::new(samples, &fits, &indirect);
+        let surfaces = match few || samples.is_relit || is_glossy {
             true => Surfaces { of_pixels: vec![None; fits.len()], regions: Vec::new() },
-            false => Surfaces::fit(&fitting, fits.len(), progress.begin("surfaces")?)?,
+            false => Surfaces::fit(&mut fitting, &grid, progress.begin("surfaces")?)?,
         };
         progress.begin("uncertainty")?;
         let of_pixels = residuals.of_pixels(&fitting, &surfaces.of_pixels);
@@ -121,8 +138,7 @@ impl Estimate {
             AllSources::new(&grid, &of_pixels, &Estimates { fits: &fits, indirect: &indirect, best: &b });
         let best = best(&sources, &of_pixels, &b);
         if best.iter().all(Option::is_none) {
-            let why = "the photographs are black within the mask, or do not fit the lights";
-            return Err(Error::invalid("no pixel has a normal", why));
+            return Err(Error::invalid("no pixel has a normal", why_none(samples)));
         }
         Ok(Self {
             width: samples.width,
@@ -132,7 +148,9 @@ impl Estimate {
             least_squares: fits.iter().map(|fit| unit(fit.least_squares)).collect(),
             robust: fits.iter().map(|fit| unit(fit.robust)).collect(),
             direct: indirect.direct.iter().map(|b| unit(*b)).collect(),
-            lights: residuals.of_lights(),
+            lights,
+            misfit: misfit(&of_pixels, &fits),
+            is_glossy,
             exponent: residuals.exponent(),
             albedo: indirect.albedo,
             shadows: indirect.shadows,
@@ -188,12 +206,45 @@ impl Estimate {
         Field::new(self.width, self.height, values.collect())
     }
 
+    /// Returns the root mean square residual of lit samples under all lights, relative to the albedo.
+    pub fn lit_residual(&self) -> f64 {
+        lit_residual(&self.lights)
+    }
+
     /// Returns the mean of a number over all pixels with an estimate.
     pub fn mean(&self, value: impl Fn(&PixelEstimate) -> f64) -> f64 {
         let found = self.best.iter().flatten();
         let (sum, count) = found.fold((0.0, 0.0), |(sum, count), best| (sum + value(best), count + 1.0));
         sum / count
     }
+}
+
+/// Returns the root mean square residual of lit samples, relative to the albedo.
+fn lit_residual(lights: &[LightResiduals]) -> f64 {
+    let squares = lights.iter().map(|light| light.relative * light.relative);
+    (squares.sum::<f64>() / lights.len().max(1) as f64).sqrt()
+}
+
+/// Returns the median residual relative to the robust fit.
+fn misfit(residuals: &[PixelResiduals], fits: &[Fit]) -> f64 {
+    let relative = residuals.iter().zip(fits).filter(|(residuals, _)| residuals.inverse.is_some());
+    let relative = relative
+        .map(|(residuals, fit)| residuals.variance.sqrt() / fit.robust.length().max(f64::MIN_POSITIVE));
+    quantile(relative.collect(), 0.5)
+}
+
+/// Returns the fraction of the samples that are saturated.
+fn saturated(samples: &Samples) -> f64 {
+    samples.saturated() as f64 / (samples.pixels.len() * samples.images.len()) as f64
+}
+
+/// Returns the reason why no pixel has a normal.
+fn why_none(samples: &Samples) -> String {
+    if saturated(samples) < 0.5 {
+        return "the photographs are black within the mask, or do not fit the lights".to_owned();
+    }
+    let (count, all) = (samples.saturated(), samples.pixels.len() * samples.images.len());
+    format!("{count} of {all} samples within the mask are saturated: expose the photographs less")
 }
 
 /// Returns the fit of each pixel.

@@ -12,7 +12,7 @@ use taotie_engine::parallel;
 /// Pixels that determine a highlight.
 const PIXELS: usize = 400;
 /// Lights from which highlights are fitted.
-const FEWEST_LIGHTS: usize = 16;
+pub const FEWEST_LIGHTS: usize = 16;
 /// Roughnesses to start from: highlights of one may not reach another's.
 const STARTS: [f64; 4] = [0.2, 0.35, 0.5, 0.75];
 /// F0 to start from: that of most dielectrics.

@@ -38,8 +38,13 @@ const MOST_ALBEDO: f64 = 0.9;
 /// The indirect light of all pixels.
 #[derive(Debug, Clone)]
 pub struct Indirect {
-    /// Normal times albedo of each pixel, without indirect light.
+    /// Normal times albedo of each pixel, without the estimated indirect light.
+    pub estimated: Vec<Vec3<f64>>,
+    /// The same if that light is removed, otherwise the fitted vectors: of an assumed albedo, light may be removed that was
+    /// never there.
     pub direct: Vec<Vec3<f64>>,
+    /// `true` if it is removed: if the albedo is measured.
+    pub is_removed: bool,
     /// Albedo of bright pixels (the 95th percentile).
     pub albedo: f64,
     /// The number of samples in shadow that it was measured in; 0 if it is assumed.
@@ -49,6 +54,18 @@ pub struct Indirect {
 }
 
 impl Indirect {
+    /// Takes all light of the estimates as direct.
+    pub fn none(fitted: Vec<Vec3<f64>>) -> Self {
+        Self {
+            estimated: fitted.clone(),
+            direct: fitted,
+            is_removed: false,
+            albedo: ASSUMED_ALBEDO,
+            shadows: 0,
+            unexplained: 0.0,
+        }
+    }
+
     /// Removes indirect light from the estimates of all pixels.
     ///
     /// # Errors
@@ -78,13 +95,16 @@ impl Indirect {
             let fitted = coarse.fitted.iter().zip(&light.in_sight);
             direct = fitted.map(|(fitted, in_sight)| without(*fitted, *in_sight, light.factor)).collect();
         }
-        let direct = parallel::collect(fitted.len(), |i| {
+        let estimated = parallel::collect(fitted.len(), |i| {
             let in_sight = coarse.interpolated(grid.position(i), &light.in_sight);
             without(fitted[i], in_sight, light.factor).to_array()
         });
-        let direct = direct.into_iter().map(Vec3::from_array).collect();
+        let estimated: Vec<_> = estimated.into_iter().map(Vec3::from_array).collect();
+        let is_removed = light.shadows > 0;
         Ok(Self {
-            direct,
+            direct: if is_removed { estimated.clone() } else { fitted.to_vec() },
+            estimated,
+            is_removed,
             albedo: light.factor * light.bright,
             shadows: light.shadows,
             unexplained: light.unexplained,
@@ -199,7 +219,8 @@ impl Coarse {
             }
         }
         let most = MOST_ALBEDO / bright;
-        if shadows < FEWEST_SHADOWS {
+        // Shadows of relit images are artefacts of few coefficients.
+        if shadows < FEWEST_SHADOWS || samples.is_relit {
             let factor = ASSUMED_ALBEDO / bright;
             return Light { in_sight, factor, bright, shadows: 0, unexplained: ASSUMED_UNEXPLAINED };
         }

@@ -25,6 +25,7 @@ mod cells;
 mod circle;
 mod depth;
 mod diligent;
+mod doubts;
 mod estimate;
 mod finish;
 mod folder;
@@ -32,6 +33,7 @@ mod grey;
 mod grid;
 mod highlight;
 mod indirect;
+mod integrability;
 mod lamp;
 mod light;
 mod lp;
@@ -59,6 +61,7 @@ pub use calibration::{Balls, Setup};
 pub use circle::{Circle, Outline};
 pub use depth::Relief;
 pub use estimate::{Estimate, Estimator, PixelEstimate};
+pub use integrability::Curl;
 pub use light::Light;
 pub use materials::{
     Frame, Lamp, LampPlace, Layout, Lens, MaterialEstimate, MaterialMaps, MaterialsEstimate, MaterialsInput,

@@ -2,6 +2,7 @@
 
 use crate::grey::GreyImage;
 use crate::light::Light;
+use crate::samples::flattening;
 use std::path::{Path, PathBuf};
 use taotie_engine::error::{Error, Result};
 use taotie_engine::image::{Bitmap, Texels};
@@ -61,6 +62,13 @@ impl Sample {
     /// Returns the sample of a light brighter by a factor.
     pub fn times(self, factor: f64) -> Self {
         Self::new(f64::from(self.grey()) * factor, self.is_saturated())
+    }
+
+    /// Returns the sample without the unevenness of the light that a white board shows, for lights in a direction with the
+    /// cosine `cosine`, l_z; saturated if either is.
+    pub fn flattened(self, board: Self, cosine: f64) -> Self {
+        let grey = f64::from(self.grey()) * flattening(board, cosine);
+        Self::new(grey, self.is_saturated() || board.is_saturated())
     }
 
     /// The linear grey, at least 0.

@@ -98,8 +98,9 @@ impl Samples {
                 let board = read_bitmap_within(&flats[i], &reading.limits)?;
                 // Both contain the light's intensity.
                 let board = decoder.samples(&flats[i], &board, light.intensity)?;
+                check_flat(&flats[i], &board)?;
                 for (i, (sample, board)) in samples.iter_mut().zip(board).enumerate() {
-                    *sample = sample.times(flattening(board, lit(i).direction.z));
+                    *sample = sample.flattened(board, lit(i).direction.z);
                 }
             } else if light.position.is_some() {
                 samples.iter_mut().enumerate().for_each(|(i, sample)| *sample = sample.times(lit(i).falloff));
@@ -187,6 +188,20 @@ pub fn flats(folder: &Path, set: &PhotographSet) -> Result<Vec<std::path::PathBu
         names.photograph(&name).map_err(|why| Error::invalid("a flat field", why))
     };
     set.photographs.iter().map(of).collect()
+}
+
+/// The largest fraction of a white board's pixels that may be saturated.
+const MOST_SATURATED: f64 = 0.05;
+
+/// Rejects a photograph of a white board that is too bright.
+fn check_flat(path: &Path, board: &[Sample]) -> Result<()> {
+    let saturated = board.iter().filter(|sample| sample.is_saturated()).count();
+    if saturated as f64 <= MOST_SATURATED * board.len() as f64 {
+        return Ok(());
+    }
+    let what =
+        format!("{}: {saturated} of {} pixels of the white board are saturated", path.display(), board.len());
+    Err(Error::invalid(what, "expose it less, so that its brightness can be measured"))
 }
 
 /// Returns the factor of a sample that removes all unevenness of the light, which a white board facing the camera

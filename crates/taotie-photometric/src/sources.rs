@@ -11,6 +11,9 @@ use taotie_engine::parallel;
 
 /// The fraction of the bright pixels' albedo below which a pixel is background.
 const BACKGROUND: f64 = 0.005;
+/// The error that indirect light is expected to cause if it is not removed, as a multiple of that which is estimated with an
+/// assumed albedo and of the factor of removed light.
+const UNREMOVED: f64 = 2.0;
 
 /// The comparisons between estimates, of each pixel and of the whole object.
 pub struct AllSources<'a> {
@@ -19,9 +22,10 @@ pub struct AllSources<'a> {
     /// Normal times albedo.
     best: &'a [Vec3<f64>],
     pixels: Vec<Option<Pixel>>,
-    /// The mean squared angle by which the removal of indirect light turned normals.
+    /// The mean squared angle by which the removal of indirect light turns normals.
     turned: f64,
-    /// Light in shadows that the relief does not explain.
+    /// The error of normals by indirect light, relative to that angle and its factor: the light in shadows that the relief
+    /// does not explain.
     unexplained: f64,
     /// The root mean square difference between neighbouring normals.
     curved: f64,
@@ -40,7 +44,7 @@ pub struct Estimates<'a> {
 /// A pixel with a normal.
 #[derive(Debug, Clone, Copy)]
 struct Pixel {
-    /// The change of the unit normal by the removal of indirect light.
+    /// The change of the unit normal by the estimated indirect light, whether it is removed or not.
     turned: Vec3<f64>,
     /// The change of the unit normal by rejection.
     rejected: Vec3<f64>,
@@ -65,7 +69,7 @@ impl<'a> AllSources<'a> {
             }
             let robust = unit(fits[i].robust);
             Some(Pixel {
-                turned: unit(indirect.direct[i]) - robust,
+                turned: unit(indirect.estimated[i]) - robust,
                 rejected: robust - unit(fits[i].least_squares),
                 sectors: residuals[i].sectors.scaled(1.0 / (length * length)),
                 curvature: curvature(grid, &normals, i),
@@ -78,7 +82,8 @@ impl<'a> AllSources<'a> {
         };
         let turned = mean(|pixel| pixel.turned.dot(pixel.turned));
         let curved = mean(|pixel| pixel.curvature).sqrt();
-        Self { grid, residuals, best, pixels, turned, unexplained: indirect.unexplained, curved }
+        let unexplained = if indirect.is_removed { indirect.unexplained } else { UNREMOVED };
+        Self { grid, residuals, best, pixels, turned, unexplained, curved }
     }
 
     /// Returns the sources of a pixel; `None` without a normal.

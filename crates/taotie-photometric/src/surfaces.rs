@@ -1,6 +1,7 @@
 //! The surfaces of all pixels: the highlights of regions, then normal and base colour of each pixel.
 
 use crate::appearance::Fitting;
+use crate::grid::Grid;
 use crate::indirect::quantile;
 use crate::program::{Finish, Surface};
 use crate::regions::regions;
@@ -37,7 +38,8 @@ impl Surfaces {
     ///
     /// # Errors
     /// [`taotie_engine::Error::Cancelled`].
-    pub fn fit(fitting: &Fitting<'_>, count: usize, progress: Progress<'_>) -> Result<Self> {
+    pub fn fit(fitting: &mut Fitting<'_>, grid: &Grid, progress: Progress<'_>) -> Result<Self> {
+        let count = grid.pixels.len();
         let starts: Vec<Surface> = (0..count).map(|pixel| fitting.start(pixel, None)).collect();
         let dark = BRIGHT * quantile(starts.iter().map(|start| start.color).collect(), 0.5);
         let helps = |start: &Surface| start.color > dark && start.normal.z > FACING;
@@ -51,7 +53,7 @@ impl Surfaces {
         let region = |start: &Surface| found.iter().position(|region| start.color < region.below);
         let done = AtomicUsize::new(0);
         let parts = parallel::try_tasks(count.div_ceil(PART), &|part| {
-            progress.at(done.fetch_add(PART, Ordering::Relaxed) as f64 / count as f64)?;
+            progress.at(0.95 * done.fetch_add(PART, Ordering::Relaxed) as f64 / count as f64)?;
             let pixels = part * PART..((part + 1) * PART).min(count);
             let fitted = pixels.map(|pixel| {
                 let finish = found[region(&starts[pixel])?].finish;
@@ -63,6 +65,8 @@ impl Surfaces {
             pixels: starts.iter().filter(|start| region(start) == Some(i)).count(),
             finish: of.finish,
         });
-        Ok(Self { of_pixels: parts.concat(), regions: regions.collect() })
+        let mut of_pixels = parts.concat();
+        fitting.retry(grid, &mut of_pixels);
+        Ok(Self { of_pixels, regions: regions.collect() })
     }
 }

@@ -114,6 +114,7 @@ fn estimated(source: Source, request: &Request, progress: Progress<'_>) -> Resul
     let estimate = Estimate::of(&samples, progress)?;
     let without = estimate.best.iter().filter(|best| best.is_none()).count();
     warnings.note("a pixel has no normal: too little light, or too few samples that agree", without);
+    estimate.note_doubts(&samples, &mut warnings);
     let relief = estimate.relief(progress.begin("depth")?)?;
     Ok(Normals { estimate, relief, pixel_size: request.pixel_size.unwrap_or(1.0), warnings })
 }

@@ -2,9 +2,9 @@
 
 use crate::options;
 use crate::running::{MemoryArgs, RunArgs};
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::Args;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use taotie_io::FileSet;
 use taotie_photometric::{Circle, PhotographSet, RelightFormat, Setup, Transfer};
 
@@ -116,6 +116,15 @@ fn pixel_size(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Returns true if both are the same existing folder; an empty path is the current one.
+fn is_same(a: &Path, b: &Path) -> bool {
+    let resolved = |path: &Path| {
+        let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
+        path.canonicalize().ok()
+    };
+    resolved(a).is_some_and(|a| resolved(b) == Some(a))
+}
+
 impl PhotometricArgs {
     /// Returns the known properties of the photographs.
     pub fn setup(&self) -> Setup {
@@ -142,6 +151,14 @@ impl PhotometricArgs {
         let flat: Vec<PathBuf> =
             self.flat.iter().flat_map(|folder| photographs.clone().map(|name| folder.join(name))).collect();
         files.protect(&flat)?;
+        let folders = set.photographs.iter().filter_map(|photograph| photograph.path.parent());
+        if set.relightable.is_none() && folders.into_iter().any(|folder| is_same(folder, &self.output)) {
+            bail!(
+                "-o {}: the folder of the photographs; the mask and other images written there would be input of the next run: \
+                 name another folder",
+                self.output.display()
+            );
+        }
         files.claim_folder(&self.output)?;
         let anchored = self.scan.as_ref().map(|_| ANCHORED);
         OUTPUTS.into_iter().chain(anchored).try_for_each(|name| files.claim(&self.path(name)))?;

@@ -24,12 +24,8 @@ use std::path::Path;
 use taotie::comparison::diff::guessed_encoding;
 use taotie_engine::compare::{NormalEncoding, angular_error, stored_normals};
 use taotie_engine::image::Image;
-use taotie_engine::names::Named;
 use taotie_engine::{Progress, Warnings};
 use taotie_photometric::{Estimate, Estimator, PhotographSet, Reading, Samples, averaged};
-
-/// How far the exponent between light and brightness may be from 1: highlights reach half of it.
-const CURVED: f64 = 0.15;
 
 /// Runs the subcommand.
 pub fn run(args: &PhotometricArgs) -> Result<()> {
@@ -74,15 +70,7 @@ fn estimate(args: &PhotometricArgs) -> Result<Report> {
     let estimate = Estimate::of(&samples, progress)?;
     let without = estimate.best.iter().filter(|best| best.is_none()).count();
     warnings.note("a pixel has no normal: too little light, or too few samples that agree", without);
-    let curved = estimate.exponent.filter(|exponent| (exponent - 1.0).abs() > CURVED);
-    // Polynomials bend the curve of brightness too.
-    if let Some(exponent) = curved.filter(|_| set.relightable.is_none()) {
-        let what = format!(
-            "brightness grows like the power {exponent:.2} of the light: the photographs may not be {}; see --encoding",
-            samples.transfer.name()
-        );
-        warnings.note(what, 1);
-    }
+    estimate.note_doubts(&samples, &mut warnings);
     let mut relief = estimate.relief(progress.begin("depth")?)?;
     let anchoring = scan.map(|scan| scan.anchor(&mut relief, (args, &files), &mut warnings)).transpose()?;
     progress.begin("write")?;

@@ -190,6 +190,9 @@ impl Report {
                 self.bits, self.lights_from
             ),
         };
+        if let Some(mask) = &self.mask {
+            let _ = writeln!(text, "mask       {mask}");
+        }
         for [x, y, radius, residual] in &self.balls {
             let _ = writeln!(
                 text,
@@ -228,7 +231,7 @@ impl Report {
         let _ = match self.shadow_samples {
             0 => writeln!(
                 text,
-                "albedo     {:.2} assumed for bright pixels: too few shadows to measure it",
+                "albedo     {:.2} assumed for bright pixels: too few shadows to measure it, so that indirect light is not removed",
                 self.albedo
             ),
             count => writeln!(

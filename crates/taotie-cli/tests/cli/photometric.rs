@@ -90,14 +90,22 @@ fn normals_are_those_of_the_model() {
 #[test]
 fn the_text_states_what_was_assumed() {
     let place = photographed();
-    let run = place.taotie("photometric . -o out --threads 1").assert().success();
+    std::fs::create_dir(place.path("masks")).expect("it is new");
+    place.taotie("photometric dome.lp -o masks").assert().success();
+    let run = place.taotie("photometric . -o out --threads 1 --mask masks/mask.png").assert().success();
     let text = String::from_utf8_lossy(&run.get_output().stdout).into_owned();
     let first = "read       12 photographs of 64x64, 32 bits, linear; lights from ./dome.lp\n";
     assert!(text.replace(".\\dome", "./dome").starts_with(first), "{text}");
-    for line in ["\nsigma      mean ", "\nrejection  mean ", "\nworst      p", "\nwrote normals.png, "] {
+    for line in [
+        "\nmask       masks/mask.png\n",
+        "\nsigma      mean ",
+        "\nrejection  mean ",
+        "\nworst      p",
+        "\nwrote normals.png, ",
+    ] {
         assert!(text.contains(line), "{line:?}: {text}");
     }
-    place.taotie("photometric dome.lp -o again --threads 2").assert().success();
+    place.taotie("photometric dome.lp -o again --threads 2 --mask masks/mask.png").assert().success();
     for name in [
         "normals.exr",
         "roughness.png",
@@ -154,6 +162,7 @@ fn errors_are_errors_and_leave_nothing_behind() {
         ("photometric dome.lp -o out --encoding gamma", "unknown encoding of photographs `gamma`"),
         ("photometric . -o out", "several files of lights"),
         ("photometric dome.lp -o out --relight jpg", "unknown relightable format `jpg`"),
+        ("photometric dome.lp -o .", "-o .: the folder of the photographs"),
     ] {
         let run = place.taotie(line).assert().code(2).stdout_eq("");
         let error = String::from_utf8_lossy(&run.get_output().stderr).into_owned();

@@ -2,10 +2,12 @@
 
 use crate::studio::{Finish, Photographs, Shooting, photograph, relief};
 use std::path::{Path, PathBuf};
-use taotie_engine::compare::angular_error;
+use taotie_engine::compare::{angle_deg, angular_error};
+use taotie_engine::image::{Bitmap, Texels};
+use taotie_engine::math::{Vec3, scalar};
 use taotie_engine::mesh::Mesh;
 use taotie_engine::{Progress, Warnings};
-use taotie_photometric::{Coverage, Estimate, Estimator, PhotographSet, Reading, Samples, Transfer};
+use taotie_photometric::{Coverage, Estimate, Estimator, Light, PhotographSet, Reading, Samples, Transfer};
 
 /// Reads photographs and estimates their normals.
 pub fn estimate(photographs: &Photographs) -> Estimate {
@@ -14,7 +16,10 @@ pub fn estimate(photographs: &Photographs) -> Estimate {
     assert!(warnings.is_empty(), "{:?}", warnings.list());
     let reading = Reading { mask: None, transfer: Transfer::Auto, flat: None, limits: Default::default() };
     let samples = Samples::read(&set, &reading, Progress::SILENT).unwrap();
-    Estimate::of(&samples, Progress::SILENT).unwrap()
+    let estimate = Estimate::of(&samples, Progress::SILENT).unwrap();
+    estimate.note_doubts(&samples, &mut warnings);
+    assert!(warnings.is_empty(), "{:?}", warnings.list());
+    estimate
 }
 
 /// Errors of a set in degrees, and the coverage of its uncertainty.
@@ -154,6 +159,52 @@ fn shared_statues_are_measured_if_present() {
         assert!(accuracy.best < 1.02 * accuracy.direct, "{accuracy:?}");
     }
     assert_calibrated(&found, [0.22, 0.06], [0.13, 0.05]);
+}
+
+/// Returns drawn photographs of waves with Blinn and Phong's highlight, their lights and the normals.
+fn drawn(side: u32) -> (Vec<Bitmap>, Vec<Light>, Vec<Vec3<f64>>) {
+    let normal = |i: u32| {
+        let [x, y] = [i % side, side - 1 - i / side].map(f64::from);
+        let slope = Vec3::new(
+            -0.43 * scalar::cos(x / 14.0) * scalar::cos(y / 11.0),
+            0.55 * scalar::sin(x / 14.0) * scalar::sin(y / 11.0),
+            1.0,
+        );
+        slope.normalize_or(slope)
+    };
+    let normals: Vec<Vec3<f64>> = (0..side * side).map(normal).collect();
+    let light = |k: u32| {
+        let [azimuth, elevation] = [15.0 * f64::from(k) + 6.0, [30.0, 50.0, 65.0][k as usize % 3]];
+        let [a, e] = [azimuth, elevation].map(f64::to_radians);
+        [scalar::cos(a) * scalar::cos(e), scalar::sin(a) * scalar::cos(e), scalar::sin(e)]
+    };
+    let lights: Vec<Light> = (0..24).map(|k| Light::towards(light(k)).unwrap()).collect();
+    let mut noise = 1_u64;
+    let mut code = |n: &Vec3<f64>, l: Vec3<f64>| {
+        let half = (l + Vec3::new(0.0, 0.0, 1.0)).normalize_or(l);
+        let cosine = n.dot(l).max(0.0);
+        let highlight = if cosine > 0.0 { 0.35 * scalar::pow(n.dot(half).max(0.0), 40.0) } else { 0.0 };
+        noise = noise.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        let grain = ((noise >> 40) as f64 / (1_u64 << 24) as f64 - 0.5) * 0.004;
+        ((0.9 * (0.45 * cosine + highlight) + grain).clamp(0.0, 1.0) * 65_535.0) as u16
+    };
+    let mut photograph = |light: &Light| {
+        let texels =
+            normals.iter().map(|n| [code(n, light.direction); 3]).map(|[r, g, b]| [r, g, b, u16::MAX]);
+        Bitmap::new(side, side, 3, Texels::U16(texels.collect())).unwrap()
+    };
+    (lights.iter().map(&mut photograph).collect(), lights, normals)
+}
+
+#[test]
+fn no_pixel_is_far_off_among_good_neighbours() {
+    let (photographs, lights, normals) = drawn(96);
+    let samples = Samples::of(&photographs, &lights, None, Transfer::Auto).unwrap();
+    let estimate = Estimate::of(&samples, Progress::SILENT).unwrap();
+    let errors: Vec<f64> =
+        estimate.best.iter().zip(&normals).map(|(best, n)| angle_deg(best.unwrap().normal, *n)).collect();
+    let most = errors.iter().fold(0.0, |most: f64, error| most.max(*error));
+    assert!(most < 3.0, "{most}, {} above 3°", errors.iter().filter(|error| **error > 3.0).count());
 }
 
 #[test]

@@ -223,6 +223,24 @@ fn a_grey_ball_or_a_board_shows_how_bright_each_light_is() {
     // Known intensities count once.
     let both = error(&set, Some(flat.path()));
     assert!(both < 0.5, "{both}");
+    // Neither the board nor the side of the dome is shaded like a ball.
+    for center in [[30.0, 30.0], [145.0, 100.0]] {
+        let circle = Circle { center, radius: 20.0 };
+        let setup = Setup { grey_ball: Some(circle), ..Setup::default() };
+        let found =
+            PhotographSet::open_with(folder.path(), &setup, &mut Warnings::default(), Progress::SILENT);
+        let error = found.map(|_| ()).unwrap_err().to_string();
+        assert!(error.starts_with("grey ball ") && error.contains("of a matt ball"), "{error}");
+    }
+    // A board that is too bright.
+    write_grey(flat.path(), 3, &vec![u16::MAX; WIDTH * HEIGHT]);
+    let reading =
+        Reading { mask: None, transfer: Transfer::Auto, flat: Some(flat.path()), limits: Default::default() };
+    let error = Samples::read(&set, &reading, Progress::SILENT).map(|_| ()).unwrap_err().to_string();
+    assert!(
+        error.contains("03.png: ") && error.contains("pixels of the white board are saturated"),
+        "{error}"
+    );
 }
 
 #[test]

@@ -3,6 +3,7 @@
 
 mod accuracy;
 mod balls;
+mod lights;
 mod malformed;
 mod materials;
 mod plane;

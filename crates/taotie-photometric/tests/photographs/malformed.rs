@@ -285,7 +285,7 @@ fn every_wrong_diligent_folder_has_one_clear_error() {
 #[test]
 fn every_wrong_folder_has_one_clear_error() {
     type Damage = fn(&Path);
-    let cases: [(Kind, &str, &str, Damage); 17] = [
+    let cases: [(Kind, &str, &str, Damage); 18] = [
         (Kind::Invalid, "FOLDER: no lights", "", |folder| {
             std::fs::remove_file(folder.join("dome.lp")).unwrap()
         }),
@@ -324,6 +324,14 @@ fn every_wrong_folder_has_one_clear_error() {
         (Kind::Invalid, "no pixel has a normal", "black", |folder| {
             (1..=6).for_each(|i| write(folder, &format!("p{i}.png"), &png(4, 0)));
         }),
+        (
+            Kind::Invalid,
+            "no pixel has a normal",
+            "96 of 96 samples within the mask are saturated",
+            |folder| {
+                (1..=6).for_each(|i| write(folder, &format!("p{i}.png"), &png(4, 255)));
+            },
+        ),
     ];
     for (kind, start, words, damage) in cases {
         let folder = folder();

@@ -1,0 +1,79 @@
+//! Lists of lights that do not belong to the photographs are noticed, and those that do are not.
+
+use crate::studio::{Finish, Photographs, Shooting, photograph, relief};
+use std::path::Path;
+use taotie_engine::{Progress, Warnings};
+use taotie_photometric::{Estimate, Estimator, PhotographSet, Reading, Samples, Transfer};
+
+fn estimate(lp: &Path, transfer: Transfer) -> (Estimate, String) {
+    let mut warnings = Warnings::default();
+    let set = PhotographSet::open(lp, &mut warnings).unwrap();
+    let reading = Reading { mask: None, transfer, flat: None, limits: Default::default() };
+    let samples = Samples::read(&set, &reading, Progress::SILENT).unwrap();
+    let estimate = Estimate::of(&samples, Progress::SILENT).unwrap();
+    estimate.note_doubts(&samples, &mut warnings);
+    let words = warnings.list().into_iter().map(|warning| warning.what).collect::<Vec<_>>();
+    (estimate, words.join("\n"))
+}
+
+/// Writes the list of lights with each changed; `change` has the number of a light and all of them.
+fn with_lights(
+    photographs: &Photographs,
+    change: impl Fn(usize, &[[f64; 3]]) -> [f64; 3],
+) -> std::path::PathBuf {
+    let text = std::fs::read_to_string(&photographs.lp).unwrap();
+    let lines: Vec<&str> = text.lines().skip(1).collect();
+    let numbers = |line: &&str| -> [f64; 3] {
+        let words: Vec<f64> = line.rsplit(' ').take(3).map(|word| word.parse().unwrap()).collect();
+        [words[2], words[1], words[0]]
+    };
+    let lights: Vec<[f64; 3]> = lines.iter().map(numbers).collect();
+    let line = |k: usize| {
+        let [x, y, z] = change(k, &lights);
+        format!("photo {:03}.png {x} {y} {z}\n", k + 1)
+    };
+    let changed: String = (0..lights.len()).map(line).collect();
+    let path = photographs.lp.with_file_name("changed.lp");
+    std::fs::write(&path, changed).unwrap();
+    path
+}
+
+#[test]
+fn wrong_lights_are_noticed() {
+    let shooting = Shooting { side: 64, lights: 24, ..Shooting::default() };
+    let satin = Finish::satin(0.5, 0.45);
+    for (depth, finish) in [(0.35, &Finish::matt(0.6)), (1.2, &Finish::matt(0.6)), (1.2, &satin)] {
+        let photographs = photograph(relief(depth), finish, shooting);
+        let (found, words) = estimate(&photographs.lp, Transfer::Auto);
+        assert!(words.is_empty(), "{depth}: {words}");
+        println!("{depth}: {:?}", found.curl());
+        let flipped = with_lights(&photographs, |k, lights| [lights[k][0], -lights[k][1], lights[k][2]]);
+        let (found, words) = estimate(&flipped, Transfer::Auto);
+        println!("{depth} flipped: {:?}", found.curl());
+        assert!(words.starts_with("the lights' y seems to point down"), "{depth}: {words}");
+        let shifted = with_lights(&photographs, |k, lights| lights[(k + 1) % lights.len()]);
+        let (_, words) = estimate(&shifted, Transfer::Auto);
+        println!("{depth} shifted: {words}");
+        // On a gentle relief, all lights have much the same effect.
+        assert_eq!(words.contains("check the order of the lights"), depth > 1.0, "{depth}: {words}");
+        assert!(!words.contains("--encoding"), "{depth}: {words}");
+        let (found, words) = estimate(&photographs.lp, Transfer::Srgb);
+        println!("{depth} curved: {:?}", found.exponent);
+        assert!(words.contains("see --encoding"), "{depth}: {words}");
+    }
+}
+
+#[test]
+fn few_photographs_of_a_highlight_keep_the_robust_normals() {
+    let shooting = Shooting { side: 64, lights: 12, ..Shooting::default() };
+    for (finish, is_glossy) in [(Finish::matt(0.6), false), (Finish::satin(0.5, 0.25), true)] {
+        let photographs = photograph(relief(0.6), &finish, shooting);
+        let (found, words) = estimate(&photographs.lp, Transfer::Auto);
+        println!("{is_glossy}: {:.3}", found.lit_residual());
+        assert_eq!(found.is_glossy, is_glossy, "{words}");
+        assert_eq!(words.contains("12 photographs are too few to fit"), is_glossy, "{words}");
+        if is_glossy && found.shadows == 0 {
+            assert_eq!(found.normals(Estimator::Best).pixels(), found.normals(Estimator::Robust).pixels());
+        }
+    }
+}
