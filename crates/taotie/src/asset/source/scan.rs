@@ -321,7 +321,8 @@ impl ScanFile {
             let scene = corrected(scene, &about.options, &mut about.warnings)?;
             about.size = ScanSize::of(&scene, about.carried.maps());
             let surface = Arc::new(bake::Scan::surface_of(scene)?);
-            check_rounding((surface.mesh(), about.path()), &mut about.warnings)?;
+            let path = about.path().to_path_buf();
+            check_rounding((surface.mesh(), &path), &mut about.warnings)?;
             Ok(Scan {
                 surface,
                 sorted: Arc::default(),
