@@ -341,9 +341,10 @@ impl SeenCells {
             let Some(side) = side() else { return HIDDEN };
             let at = |weights: [f32; 3]| Point { triangle, weights };
             let answer = |weights: [f32; 3]| if look(at(weights), side) { SEEN } else { HIDDEN };
-            let corner = |k: usize| match is_small {
-                true => self.at_vertex(mesh, (at(WHOLE[k]), k), side, &look),
-                false => answer(corners[k]),
+            let vertices = mesh.triangles()[triangle as usize];
+            let corner = |k: usize| match mesh.normals().get(vertices[k] as usize).filter(|_| is_small) {
+                Some(normal) => self.at_vertex((vertices[k], *normal), side, |side| look(at(WHOLE[k]), side)),
+                None => answer(corners[k]),
             };
             let middle = std::array::from_fn(|k| corners.iter().map(|weights| weights[k]).sum::<f32>() / 3.0);
             match corner(0) | corner(1) | corner(2) {
@@ -357,23 +358,16 @@ impl SeenCells {
         }
     }
 
-    /// Returns the state of a triangle's corner on a side: that of its vertex along the vertex's normal, which all triangles
-    /// around share, unless that is steep.
-    fn at_vertex(
-        &self,
-        mesh: &Mesh,
-        (point, corner): (Point, usize),
-        side: Vec3,
-        look: &impl Fn(Point, Vec3) -> bool,
-    ) -> u8 {
+    /// Returns the state of a triangle's corner on a side, by the answers of `look` for sides there: that of its vertex
+    /// along the vertex's normal, which all triangles around share, unless that is steep.
+    fn at_vertex(&self, (vertex, normal): (u32, Vec3), side: Vec3, look: impl Fn(Vec3) -> bool) -> u8 {
         /// The cosine of 60°.
         const STEEP: f32 = 0.5;
-        let state = |normal: Vec3| if look(point, normal) { SEEN } else { HIDDEN };
-        let vertex = mesh.triangles()[point.triangle as usize][corner] as usize;
-        let Some(normal) = mesh.normals().get(vertex) else { return state(side) };
+        let state = |side: Vec3| if look(side) { SEEN } else { HIDDEN };
+        let known = &self.vertices[vertex as usize];
         match normal.dot(side) {
-            cosine if cosine >= STEEP => remembered(&self.vertices[vertex], 0, || state(*normal)),
-            cosine if cosine <= -STEEP => remembered(&self.vertices[vertex], 2, || state(-*normal)),
+            cosine if cosine >= STEEP => remembered(known, 0, || state(normal)),
+            cosine if cosine <= -STEEP => remembered(known, 2, || state(-normal)),
             _ => state(side),
         }
     }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use taotie_engine::compare::color_difference;
 use taotie_engine::image::{Bitmap, Encoding, Image, Sampler, Texels, Texture};
 use taotie_engine::math::srgb::srgb_from_linear;
-use taotie_engine::math::{Mat4, Vec2, Vec3, scalar};
+use taotie_engine::math::{Mat4, Vec2, Vec3, poly, scalar};
 use taotie_engine::mesh::{Mesh, MeshData};
 use taotie_engine::render::{
     Lighting, Prepared, ReferenceSettings, RenderSettings, Shot, SurfaceSettings, reference,
@@ -286,7 +286,7 @@ fn errors(estimate: &MaterialsEstimate, truth: &Scene, fewest: u32) -> Errors {
     let read = |used: Option<TextureRef>, [u, v]: [f32; 2]| {
         used.map_or([1.0; 4], |used| {
             let texture = &truth.textures()[used.texture];
-            let lod = (texture.width() as f32 / side as f32).max(1.0).log2();
+            let lod = poly::log2(texture.width() as f32 / side as f32).max(0.0);
             used.sampler.sample(texture, used.transform.apply(Vec2::new(u, v)), lod)
         })
     };
