@@ -2,7 +2,6 @@
 
 use crate::grey::GreyImage;
 use crate::light::Light;
-use crate::samples::flattening;
 use std::path::{Path, PathBuf};
 use taotie_engine::error::{Error, Result};
 use taotie_engine::image::{Bitmap, Texels};
@@ -82,6 +81,13 @@ impl Sample {
     pub fn is_saturated(self) -> bool {
         self.0.is_sign_negative()
     }
+}
+
+/// Returns the factor of a sample that removes all unevenness of the light, which a white board facing the camera
+/// shows, times `cosine`, l_z.
+pub fn flattening(board: Sample, cosine: f64) -> f64 {
+    let white = f64::from(board.grey());
+    if white > 0.0 { cosine.max(0.0) / white } else { 0.0 }
 }
 
 /// A photograph and its light.

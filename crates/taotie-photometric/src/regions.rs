@@ -31,7 +31,7 @@ pub struct Region {
 /// A pixel and the logarithm of its albedo.
 type Entry = (usize, f64);
 
-/// What ends the division of a region.
+/// Limits of the division of a region.
 #[derive(Debug, Clone, Copy)]
 struct Limits {
     /// Further divisions.

@@ -204,13 +204,6 @@ fn check_flat(path: &Path, board: &[Sample]) -> Result<()> {
     Err(Error::invalid(what, "expose it less, so that its brightness can be measured"))
 }
 
-/// Returns the factor of a sample that removes all unevenness of the light, which a white board facing the camera
-/// shows, times `cosine`, l_z.
-pub fn flattening(board: Sample, cosine: f64) -> f64 {
-    let white = f64::from(board.grey());
-    if white > 0.0 { cosine.max(0.0) / white } else { 0.0 }
-}
-
 /// Returns the memory for reading and estimating: samples, one decoded photograph for each thread, and results.
 fn estimated_bytes(photographs: usize, pixels: usize, shape: Shape) -> u64 {
     /// The program itself.

@@ -1,7 +1,7 @@
 //! Photographs in colour, as they are displayed.
 
-use crate::photograph::{Decoder, Shape, curve};
-use crate::samples::{Reading, flats, flattening};
+use crate::photograph::{Decoder, Shape, curve, flattening};
+use crate::samples::{Reading, flats};
 use crate::set::PhotographSet;
 use std::path::PathBuf;
 use taotie_engine::error::Result;
