@@ -256,7 +256,7 @@ mod tests {
         let mut found = Relief {
             grid: Grid::new(side, side, pixels),
             heights: (0..side * side).map(relief).collect(),
-            // The last columns are a part of their own, without a scan.
+            // The last columns are a separate part, without a scan.
             continues: (0..side * side).map(|i| [i % side != side - 9, true]).collect(),
         };
         let heights = (0..side * side).map(|i| if is_inside(i) { scanned(i) } else { f64::NAN });

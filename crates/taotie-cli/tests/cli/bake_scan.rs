@@ -232,13 +232,13 @@ fn coordinates_far_from_the_origin_are_told_or_refused() {
         let output = bake(name).output().unwrap();
         (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
     };
-    let (code, told) = said("away");
-    assert_eq!(code, Some(0), "{told}");
-    assert!(told.contains("too far from the origin") && told.contains("such as (2000, 0, 0)"), "{told}");
-    assert!(!told.contains("interior") && !told.contains("cannot be seen"), "{told}");
-    let (code, told) = said("far");
+    let (code, text) = said("away");
+    assert_eq!(code, Some(0), "{text}");
+    assert!(text.contains("too far from the origin") && text.contains("such as (2000, 0, 0)"), "{text}");
+    assert!(!text.contains("interior") && !text.contains("cannot be seen"), "{text}");
+    let (code, text) = said("far");
     assert_eq!(code, Some(2));
-    assert!(told.contains("far.obj") && told.contains("such as (4500000, 0, 0)"), "{told}");
+    assert!(text.contains("far.obj") && text.contains("such as (4500000, 0, 0)"), "{text}");
     assert!(!said("near").1.contains("origin"));
 }
 

@@ -192,7 +192,7 @@ fn files_that_cannot_be_one_scan_are_refused() {
     assert!(over.contains("it would overwrite the input c.glb"), "{over}");
     let twice = error(&place, "verify b.obj --scan a.obj --scan a.obj");
     assert!(twice.contains("the same file as"), "{twice}");
-    // Each file alone can be read.
+    // Each file can be read by itself.
     let size = place.read("a.obj").len();
     let said = bake(&format!("b.obj a.obj --memory-limit {}", 4 * size + 20_000));
     assert!(said.contains("a.obj is too large"), "{said}");

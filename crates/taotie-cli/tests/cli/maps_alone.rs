@@ -58,10 +58,10 @@ fn the_first_requested_map_is_the_file_itself() {
         maps.iter().find(|note| note["map"] == map).map(|note| note["file"].clone())
     };
     assert_eq!((file("height"), file("ao")), (Some(json!("out.png")), Some(json!("out.ao.png"))));
-    let told =
-        place.taotie(&format!("{LINE} -o told.png --maps height --no-verify")).output().expect("it runs");
-    let told = String::from_utf8_lossy(&told.stdout).into_owned();
-    assert!(told.contains("range of height  black is ") && told.contains("model units"), "{told}");
+    let output =
+        place.taotie(&format!("{LINE} -o output.png --maps height --no-verify")).output().expect("it runs");
+    let output = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.contains("range of height  black is ") && output.contains("model units"), "{output}");
     assert_eq!(read_bitmap(&place.path("out.png")).expect("it is a picture").channels(), 1);
 }
 

@@ -143,7 +143,7 @@ pub(super) fn worst_window(
 
 /// Returns the `count` positions nearest to a centre by their indices, each after its squared distance, in any order.
 fn nearest(positions: &[Vec3], center: Vec3, count: usize) -> Vec<(f32, usize)> {
-    /// One in so many positions tells how far about the nearest reach.
+    /// One in this many positions shows roughly how far the nearest reach.
     const STRIDE: usize = 16;
     let squared = |position: &Vec3| (*position - center).dot(*position - center);
     let squared: Vec<f32> = positions.iter().map(squared).collect();

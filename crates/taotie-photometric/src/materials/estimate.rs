@@ -67,7 +67,7 @@ pub struct MaterialsEstimate {
     pub photographs: Vec<PhotographResiduals>,
 }
 
-/// What materials are estimated from.
+/// The photographs and the surface that materials are estimated from.
 #[derive(Clone, Copy)]
 pub struct MaterialsInput<'a> {
     /// The shape.

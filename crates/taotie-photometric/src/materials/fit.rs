@@ -75,7 +75,7 @@ pub struct TexelFit<'a> {
     pub observations: &'a [Observation],
     /// Standard deviation of the residuals, relative to that of samples; infinite if none is rejected.
     pub scale: f64,
-    /// What roughness and metallic are expected to be.
+    /// The expected roughness and metallic, with their spread.
     pub expected: [Option<Expected>; VARIABLES],
 }
 

@@ -1,4 +1,4 @@
-//! What the texels around a texel let expect of it: means and spreads in a square window of the map.
+//! The expected values of a texel from those around it: means and spreads in a square window of the map.
 
 use super::fit::Expected;
 

@@ -44,17 +44,17 @@ struct Photographs {
 }
 
 /// A camera and the direction of its light.
-struct Stand {
+struct Pose {
     camera: Camera,
     light: Vec3<f64>,
 }
 
 /// Returns cameras on a sphere around a scene, or on its part with the least z of `front`; the light of each is 6° to 48° from
 /// its view.
-fn stands(scene: &Scene, count: usize, front: f64) -> Vec<Stand> {
+fn shots(scene: &Scene, count: usize, front: f64) -> Vec<Pose> {
     let bounds = scene.bounds().unwrap();
     let distance = 1.05 * 0.5 * bounds.diagonal() / scalar::sin(0.5 * ANGLE);
-    let stand = |k: usize| {
+    let shot = |k: usize| {
         let z = 0.95 - (0.95 - front) * (k as f64 + 0.5) / count as f64;
         let (r, angle) = ((1.0 - z * z).sqrt(), 2.399_963_229_728_653 * k as f64);
         let back = Vec3::new(r * scalar::sin(angle), r * scalar::cos(angle), z);
@@ -72,29 +72,29 @@ fn stands(scene: &Scene, count: usize, front: f64) -> Vec<Stand> {
                 far: None,
             },
         };
-        Stand { camera, light: (back + aside * tilt).normalize() }
+        Pose { camera, light: (back + aside * tilt).normalize() }
     };
-    (0..count).map(stand).collect()
+    (0..count).map(shot).collect()
 }
 
 /// Takes photographs of a scene from all sides.
 fn photograph(scene: &Scene, shooting: Shooting) -> Photographs {
     let prepared = Prepared::new(scene.clone(), &SurfaceSettings::default()).unwrap();
-    let stands = stands(scene, shooting.photographs, shooting.front);
+    let shots = shots(scene, shooting.photographs, shooting.front);
     let images: Vec<Image> =
-        (0..stands.len()).map(|k| taken(&prepared, &stands[k], k as u32, shooting)).collect();
+        (0..shots.len()).map(|k| taken(&prepared, &shots[k], k as u32, shooting)).collect();
     let exposure = exposure(&images);
     let folder = tempfile::tempdir().unwrap();
     let mut noise = Noise::new(5);
     let mut frames = Vec::new();
-    for (k, (image, stand)) in images.iter().zip(&stands).enumerate() {
+    for (k, (image, shot)) in images.iter().zip(&shots).enumerate() {
         let name = format!("photo_{k:03}");
         let path = folder.path().join(format!("{name}.png"));
         write_photograph(&path, image, (exposure, shooting.noise), &mut noise);
-        let column = |j: usize| stand.camera.world_from_view.axis(j).to_array();
+        let column = |j: usize| shot.camera.world_from_view.axis(j).to_array();
         let [x, y, z, o] = [0, 1, 2, 3].map(column);
         let rows: Vec<String> = (0..3).map(|i| format!("[{}, {}, {}, {}]", x[i], y[i], z[i], o[i])).collect();
-        let Vec3 { x, y, z } = stand.light;
+        let Vec3 { x, y, z } = shot.light;
         frames.push(format!(
             "{{\"file_path\": \"./{name}\", \"transform_matrix\": [{}, [0, 0, 0, 1]], \"light\": {{\"direction\": \
              [{x}, {y}, {z}], \"intensity\": {}}}}}",
@@ -111,7 +111,7 @@ fn photograph(scene: &Scene, shooting: Shooting) -> Photographs {
 /// The irradiance on a surface that faces the light.
 const IRRADIANCE: f64 = 3.0;
 
-fn taken(prepared: &Prepared, stand: &Stand, seed: u32, shooting: Shooting) -> Image {
+fn taken(prepared: &Prepared, shot: &Pose, seed: u32, shooting: Shooting) -> Image {
     let settings = RenderSettings {
         width: shooting.side,
         height: shooting.side,
@@ -119,11 +119,11 @@ fn taken(prepared: &Prepared, stand: &Stand, seed: u32, shooting: Shooting) -> I
         shadows: true,
         ..RenderSettings::default()
     };
-    let kind = LightKind::Directional { direction: -stand.light.to_f32() };
+    let kind = LightKind::Directional { direction: -shot.light.to_f32() };
     let color = Vec3::splat(IRRADIANCE as f32);
     let light = Light { name: String::new(), kind, color, falloff: Falloff::None };
     let lighting = Lighting { lights: vec![light], ..Lighting::default() };
-    let shot = Shot { camera: &stand.camera, lighting: &lighting, settings: &settings };
+    let shot = Shot { camera: &shot.camera, lighting: &lighting, settings: &settings };
     let Shooting { spp, bounces, .. } = shooting;
     let paths = ReferenceSettings { spp, seed, bounces, ..ReferenceSettings::default() };
     reference(prepared, &shot, &paths, Progress::SILENT).unwrap().color
