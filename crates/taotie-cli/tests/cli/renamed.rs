@@ -12,7 +12,7 @@ error: unexpected argument '--for [<VALUE>]' found
 
   tip: use `--preset` instead
 
-Usage: taotie bake [OPTIONS] --output <OUT> <HIGH>
+Usage: taotie bake [OPTIONS] --output <OUT> <HIGH>...
 
 For more information, try '--help'.
 
