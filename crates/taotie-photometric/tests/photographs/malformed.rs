@@ -298,13 +298,13 @@ fn every_wrong_folder_has_one_clear_error() {
         (Kind::Invalid, "p3.png: 5x5 pixels of 8 bits", "p1.png has 4x4", |folder| {
             write(folder, "p3.png", &png(5, 9));
         }),
-        (Kind::Unsupported, "p3.png: ", "use PNG", |folder| write(folder, "p3.png", b"")),
+        (Kind::Parse, "p3.png: ", "the image is empty", |folder| write(folder, "p3.png", b"")),
         (Kind::Unsupported, "p3.png: ", "", |folder| write(folder, "p3.png", b"GIF89a....")),
         (Kind::Parse, "p3.png: ", "", |folder| write(folder, "p3.png", b"\x89PNG\r\n\x1a\n")),
         (Kind::Parse, "p3.png: ", "", |folder| write(folder, "p3.png", &png(4, 9)[..40])),
         (Kind::Invalid, "mask.png: a mask of 5x5", "4x4", |folder| write(folder, "mask.png", &png(5, 255))),
         (Kind::Invalid, "mask.png: an empty mask", "white", |folder| write(folder, "mask.png", &png(4, 0))),
-        (Kind::Unsupported, "mask.png: ", "use PNG", |folder| write(folder, "mask.png", b"")),
+        (Kind::Parse, "mask.png: ", "the image is empty", |folder| write(folder, "mask.png", b"")),
         (Kind::Parse, "dome.lp: line 4: ", "'p3.png' is not among the 5 photographs", |folder| {
             std::fs::remove_file(folder.join("p3.png")).unwrap();
         }),
