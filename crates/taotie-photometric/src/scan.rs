@@ -99,7 +99,7 @@ impl Relief {
             scale = (2.0 * quantile(residuals, 0.5)).max(1e-3);
         }
         let correction: Vec<f64> = polynomial.iter().zip(&rest).map(|(a, b)| a + b).collect();
-        let anchored = self.connected(|i| off[i].is_finite());
+        let anchored = connected(&screened.neighbours, |i| off[i].is_finite());
         let count = self.heights.len().max(1) as f64;
         let anchoring = Anchoring {
             scanned: off.iter().filter(|v| v.is_finite()).count(),
@@ -147,18 +147,18 @@ impl Relief {
         };
         (0..self.heights.len()).map(of).collect()
     }
+}
 
-    /// Returns true for each pixel on whose connected surface one pixel `is`.
-    fn connected(&self, is: impl Fn(usize) -> bool) -> Vec<bool> {
-        let mut parts = taotie_engine::groups::DisjointSets::new(self.heights.len());
-        for (i, others) in self.connections().iter().enumerate() {
-            others.iter().flatten().for_each(|other| parts.join(i as u32, *other));
-        }
-        let parts = parts.into_lowest();
-        let mut has = vec![false; self.heights.len()];
-        (0..has.len()).filter(|i| is(*i)).for_each(|i| has[parts[i] as usize] = true);
-        parts.iter().map(|part| has[*part as usize]).collect()
+/// Returns true for each pixel that is connected to one that `is`.
+fn connected(neighbours: &[[Option<u32>; 2]], is: impl Fn(usize) -> bool) -> Vec<bool> {
+    let mut parts = taotie_engine::groups::DisjointSets::new(neighbours.len());
+    for (i, others) in neighbours.iter().enumerate() {
+        others.iter().flatten().for_each(|other| parts.join(i as u32, *other));
     }
+    let parts = parts.into_lowest();
+    let mut has = vec![false; neighbours.len()];
+    (0..has.len()).filter(|i| is(*i)).for_each(|i| has[parts[i] as usize] = true);
+    parts.iter().map(|part| has[*part as usize]).collect()
 }
 
 /// Returns the weights of the distances of a correction from the differences, which are NaN without a scan.

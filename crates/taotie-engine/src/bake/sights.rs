@@ -343,7 +343,9 @@ impl SeenCells {
             let answer = |weights: [f32; 3]| if look(at(weights), side) { SEEN } else { HIDDEN };
             let vertices = mesh.triangles()[triangle as usize];
             let corner = |k: usize| match mesh.normals().get(vertices[k] as usize).filter(|_| is_small) {
-                Some(normal) => self.at_vertex((vertices[k], *normal), side, |side| look(at(WHOLE[k]), side)),
+                Some(normal) => {
+                    self.at_vertex((vertices[k], *normal), side, |side| look(at(corners[k]), side))
+                }
                 None => answer(corners[k]),
             };
             let middle = std::array::from_fn(|k| corners.iter().map(|weights| weights[k]).sum::<f32>() / 3.0);

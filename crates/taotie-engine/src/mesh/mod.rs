@@ -181,10 +181,15 @@ impl Mesh {
         (b - a).cross(c - a).dot(toward) > 0.0
     }
 
+    /// Returns the largest coordinate of any position, without its sign; 0 if there are none.
+    pub fn largest_coordinate(&self) -> f32 {
+        let coordinates = self.data.positions.iter().flat_map(|p| p.to_array());
+        coordinates.fold(0.0f32, |most, v| most.max(v.abs()))
+    }
+
     /// Returns a bound of the rounding of positions and of distances from them in single precision, model units.
     pub fn rounding(&self) -> f32 {
-        let coordinates = self.data.positions.iter().flat_map(|p| p.to_array());
-        coordinates.fold(0.0f32, |most, v| most.max(v.abs())) * 1e-6
+        self.largest_coordinate() * 1e-6
     }
 
     /// The length of the diagonal of the bounding box of all positions; 0 if there are none.

@@ -518,15 +518,18 @@ pub(super) fn check_rounding((mesh, path): (&Mesh, &Path), warnings: &mut Warnin
     /// Fractions of the diagonal: angles suffer visibly beyond the first, and the shape beyond the second.
     const FINE: f64 = 1e-5;
     const COARSE: f64 = 1e-3;
-    let coordinates = mesh.positions().iter().flat_map(|p| p.to_array());
-    let most = f64::from(coordinates.fold(0.0f32, |most, v| most.max(v.abs())));
-    let (rounding, diagonal) = (most * f64::from(f32::EPSILON), mesh.diagonal());
+    let (rounding, diagonal) = (f64::from(mesh.largest_coordinate() * f32::EPSILON), mesh.diagonal());
     if rounding <= diagonal * FINE || diagonal == 0.0 {
         return Ok(());
     }
     let center = mesh.positions().iter().fold(Vec3::<f64>::default(), |sum, p| sum + p.to_f64())
         / mesh.positions().len().max(1) as f64;
-    let [x, y, z] = center.to_array().map(f64::round);
+    // Few digits, but small beside the scan: whole numbers, or decimals of a scan smaller than 1.
+    let mut steps = 1.0;
+    while steps * diagonal < 1.0 && steps < 1e15 {
+        steps *= 10.0;
+    }
+    let [x, y, z] = center.to_array().map(|v| (v * steps).round() / steps);
     let percent = rounding / diagonal * 100.0;
     let what = format!(
         "its coordinates are too far from the origin: single precision rounds them by up to {percent:.2} % of its \
@@ -544,6 +547,22 @@ pub(super) fn check_rounding((mesh, path): (&Mesh, &Path), warnings: &mut Warnin
 mod tests {
     use super::*;
     use taotie_engine::scene::Material;
+
+    #[test]
+    fn the_offset_to_subtract_suits_the_size_of_the_scan() {
+        let advice = |radius: f64, away: f32| {
+            let data = Mesh::sphere(radius, 16, 8).into_data();
+            let moved = |p: &Vec3| Vec3::new(p.x + away, p.y, p.z);
+            let positions = data.positions.iter().map(moved).collect();
+            let mesh = Mesh::new(MeshData { positions, ..data }).unwrap();
+            let mut warnings = Warnings::default();
+            check_rounding((&mesh, Path::new("")), &mut warnings).unwrap();
+            warnings.iter().map(|(what, _)| what.to_owned()).collect::<String>()
+        };
+        assert!(advice(1.0, 2000.0).contains("(2000, 0, 0)"), "{}", advice(1.0, 2000.0));
+        assert!(advice(0.001, 0.5).contains("(0.5, 0, 0)"), "{}", advice(0.001, 0.5));
+        assert_eq!(advice(1.0, 10.0), "");
+    }
 
     #[test]
     fn transforms_come_back_to_the_bit() {
