@@ -57,8 +57,12 @@ const ON_TRIANGLES: u32 = 8_000;
 /// The map sizes measured for it, and the one with which meshes are measured.
 const SIZES: [u32; 4] = [256, 512, 1024, 2048];
 const ON_SIZE: u32 = 512;
-/// If a size has more than this fraction of the error of half the size, doubling it is not worthwhile.
-const WORTH_DOUBLING: f64 = 0.85;
+/// If a size has more than this fraction of the squared error of half the size, doubling it is not worthwhile.
+const WORTH_DOUBLING: f64 = 0.85 * 0.85;
+/// That fraction for details much larger than a texel.
+const OF_DOUBLING: f64 = 0.25;
+/// Maps of half a size have at least this fraction of the bytes.
+const BYTES_OF_HALF: f64 = 0.25;
 /// The minimum number of triangles for it, and the ratio between successive candidates.
 const LEAST_TRIANGLES: u32 = 200;
 const RATIO: f64 = 1.1;
@@ -90,7 +94,7 @@ struct Choice {
 
 impl Forecast {
     /// Measures meshes and maps, the latter of at least `least_size`; `None` if the first mesh is refused, or if just
-    /// its maps exceed `most_bytes`. Maps of twice the size of such maps are not measured.
+    /// its maps exceed `most_bytes`. Meshes and maps that only larger candidates can have are not measured.
     pub fn measured(
         workshop: &mut Workshop<'_>,
         least_size: u32,
@@ -115,13 +119,18 @@ impl Forecast {
             factor: 1.0,
         };
         forecast.add_mesh(&draft, &crossing);
+        let (mesh_bytes, map_bytes) = (crossing.mesh_bytes, crossing.least_bytes());
         forecast.sizes.push(crossing);
         for triangles in TRIANGLES
             .map(|count| level.triangles(count))
             .into_iter()
             .filter(|count| *count != on && *count < all)
         {
-            if let Some(draft) = workshop.draft(mapped(triangles, size), progress)? {
+            // Bytes grow less than triangles, but faster than their square root.
+            let growth = (f64::from(triangles) / f64::from(on)).sqrt();
+            if mesh_bytes * growth + map_bytes * BYTES_OF_HALF <= WORTH * most_bytes
+                && let Some(draft) = workshop.draft(mapped(triangles, size), progress)?
+            {
                 forecast.add_mesh(&draft, &MapSize::with(workshop, &draft, least)?);
             }
         }
@@ -131,8 +140,7 @@ impl Forecast {
             .into_iter()
             .filter(|other| *other != size && range.contains(other))
         {
-            if forecast.is_worth_doubling(size / 2)
-                && forecast.sizes.iter().all(|known| known.size > size || known.least_bytes() <= most_bytes)
+            if forecast.may_be_smaller(size, most_bytes)
                 && let Some(draft) = workshop.draft(mapped(on, size), progress)?
             {
                 forecast.sizes.push(MapSize::measured(workshop, &draft)?);
@@ -149,43 +157,48 @@ impl Forecast {
         self.mesh_bytes.add(count, maps.mesh_bytes);
     }
 
-    /// Returns `true` unless the step from half of this size hardly helped.
-    fn is_worth_doubling(&self, size: u32) -> bool {
-        let squared = |size: u32| self.sizes.iter().find(|of| of.size == size).map(|of| of.squared);
-        match (squared(size / 2), squared(size)) {
-            (Some(half), Some(own)) => own < WORTH_DOUBLING * WORTH_DOUBLING * half,
-            // It was not worth measuring.
-            (Some(_), None) => false,
-            _ => true,
-        }
+    /// Returns `true` if a candidate with maps of this size may reach the goal with at most `most_bytes`: if, for the
+    /// same losses, they take no fewer bytes than those of half the size, and help no more than the doubling before.
+    fn may_be_smaller(&self, size: u32, most_bytes: f64) -> bool {
+        let find = |size: u32| self.sizes.iter().find(|of| of.size == size);
+        let (quarter, half) = (find(size / 4), find(size / 2));
+        let Some(half) = half else { return quarter.is_none() };
+        let gain = quarter.map_or(OF_DOUBLING, |quarter| half.squared / quarter.squared);
+        let expected = MapSize { size, squared: half.squared * gain, ..half.clone() };
+        let is_smaller =
+            |(choice, squared): (Choice, f64)| squared <= AIM * AIM && choice.bytes <= WORTH * most_bytes;
+        gain < WORTH_DOUBLING && (most_bytes.is_infinite() || self.choices(&[expected]).any(is_smaller))
     }
 
     /// Returns the smallest candidate with at most this ratio of angles.
     pub fn smallest(&self, ratio: f64) -> Option<Choice> {
-        let enough = self.choices().filter(|(_, squared)| *squared <= ratio * ratio);
+        let sizes = self.all_sizes();
+        let enough = self.choices(&sizes).filter(|(_, squared)| *squared <= ratio * ratio);
         enough.map(|(choice, _)| choice).min_by(|a, b| a.bytes.total_cmp(&b.bytes))
     }
 
     /// Returns the smallest ratio of angles of any candidate.
     pub fn least_ratio(&self) -> f64 {
-        self.choices().map(|(_, squared)| squared).fold(f64::INFINITY, f64::min).sqrt()
+        self.choices(&self.all_sizes()).map(|(_, squared)| squared).fold(f64::INFINITY, f64::min).sqrt()
     }
 
-    /// Returns all candidates with the squares of their ratios.
-    fn choices(&self) -> impl Iterator<Item = (Choice, f64)> {
+    /// Returns the measured sizes, and some between them.
+    fn all_sizes(&self) -> Vec<MapSize> {
+        let pairs = self.sizes.windows(2).flat_map(|pair| pair[0].up_to(&pair[1]));
+        pairs.chain(self.sizes.last().cloned()).collect()
+    }
+
+    /// Returns the candidates with maps of these sizes, with the squares of their ratios.
+    fn choices<'a>(&'a self, sizes: &'a [MapSize]) -> impl Iterator<Item = (Choice, f64)> + 'a {
         let [least, most] = self.triangles;
         let steps = std::iter::successors(Some(least.min(most)), |count| Some(count * RATIO));
         let counts = steps.take_while(move |count| *count < most).chain([most]);
-        let pairs = self.sizes.windows(2).flat_map(|pair| pair[0].up_to(&pair[1]));
-        let sizes: Vec<MapSize> = pairs.chain(self.sizes.last().cloned()).collect();
-        counts.flat_map(move |triangles| {
-            let of_size = |size: &MapSize| {
+        counts.flat_map(move |triangles| sizes.iter().map(move |size| (triangles, size))).flat_map(
+            move |(triangles, size)| {
                 let squared = self.lossless(triangles, size);
-                let choice = |loss: Loss| (self.choice(triangles, size, loss), squared + loss.squared);
-                size.losses().map(choice).collect::<Vec<_>>()
-            };
-            sizes.iter().flat_map(of_size).collect::<Vec<_>>()
-        })
+                size.losses().map(move |loss| (self.choice(triangles, size, loss), squared + loss.squared))
+            },
+        )
     }
 
     /// Returns the square of the error with lossless maps: those of mesh and map, minus their common part.
