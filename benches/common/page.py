@@ -4,6 +4,10 @@ import math
 import textwrap
 
 
+# Instead of a figure that was measured while other programs used the processor.
+BUSY = "busy"
+
+
 class Unmarked(Exception):
     """A page without the marks."""
 

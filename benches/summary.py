@@ -1,0 +1,104 @@
+"""The summary at the top of docs/benchmarks.md."""
+
+import math
+import statistics
+
+import page
+import quiet
+
+# The greatest part of the measurements that other programs may disturb; with more, there is no page.
+TOLERATED = 0.1
+PEER_WINS, GOAL_MISSED, REST, DISTURBED = range(4)
+
+
+def group(row):
+    """Where the row is listed: groups in rising order."""
+    if row.is_busy():
+        return DISTURBED
+    if row.ratio() < 1:
+        return PEER_WINS
+    return GOAL_MISSED if row.goal and row.ratio() < row.goal else REST
+
+
+def ordered(rows):
+    """By group, and the lowest ratio first."""
+    return sorted(rows, key=lambda row: (group(row), 0 if row.is_busy() else row.ratio(), row.case, row.peer))
+
+
+def shown(rows):
+    """The ordered rows without those, of the rest without a goal, whose case has a peer nearer to Taotie."""
+    kept, cases = [], set()
+    for row in ordered(rows):
+        if group(row) != REST or row.goal or row.case not in cases:
+            kept.append(row)
+        if not row.is_busy():
+            cases.add(row.case)
+    return kept
+
+
+def verdict(row):
+    if row.is_busy():
+        return "busy: no conclusion"
+    least, greatest = row.spread()
+    who = "even" if least < 1 < greatest else "the peer wins" if row.ratio() < 1 else "Taotie wins"
+    if row.goal is None:
+        return who
+    return f"{who}; goal {'met' if row.ratio() >= row.goal else 'missed'}"
+
+
+def figure(x):
+    """Three digits, or all of a whole number."""
+    return f"{x:,.{max(0, 2 - math.floor(math.log10(x)))}f}" if x > 0 else "0"
+
+
+def cells(row):
+    own, other = (f"{figure(statistics.median(some))} {row.unit}" for some in (row.own, row.other))
+    goal = "–" if row.goal is None else f"{row.goal:g}"
+    ratio = "–" if row.is_busy() else row.ratio_text()
+    return [row.case, row.peer, own, other, ratio, goal, verdict(row)]
+
+
+def table(rows):
+    return page.table(["comparison", "peer", "Taotie", "peer's", "ratio", "goal", "verdict"], list(map(cells, rows)))
+
+
+def counts(rows):
+    """A sentence with the number of rows in each group."""
+    groups = [group(row) for row in rows]
+    missed = sum(row.goal is not None and not row.is_busy() and row.ratio() < row.goal for row in rows)
+    wanted = sum(row.goal is not None for row in rows)
+    return (
+        f"Of {len(rows):,} comparisons, a peer wins {groups.count(PEER_WINS)}; of {wanted} goals, {missed} are missed; "
+        f"{groups.count(DISTURBED)} comparisons were disturbed."
+    )
+
+
+def is_refused(reports):
+    """Whether other programs disturbed too many measurements for a conclusion."""
+    return sum(report.busy for report in reports) > TOLERATED * sum(report.measured for report in reports)
+
+
+def versions(reports):
+    """The peers' versions as a sentence; a peer of several parts is named once."""
+    found = {}
+    for report in reports:
+        found |= report.versions
+    return "; ".join(f"{title}: {version}" for title, version in found.items()) + "."
+
+
+def text(machine, dates, reports):
+    """The Markdown of the summary. `machine` and `dates` are phrases."""
+    rows = [row for report in reports for row in report.rows]
+    about = ABOUT.format(limit=quiet.LIMIT)
+    lines = [page.wrapped(about), "", page.wrapped(f"Measured on {dates}: {machine}. {versions(reports)}"), ""]
+    return "\n".join([*lines, page.wrapped(counts(rows)), "", *table(shown(rows))])
+
+
+ABOUT = (
+    "`make bench` runs Taotie and each peer in alternation. A ratio is the peer's time or memory divided by Taotie's, "
+    "the median over the rounds, with the least and greatest in brackets: above 1, Taotie is better. “Even” means that "
+    "the rounds disagree. First come the rows that a peer wins, then missed goals, then the rest, of which rows without "
+    "a goal only name the nearest peer of a comparison: the others are in the sections below, as multiples of Taotie's. "
+    "A measurement during which other programs, or other virtual machines, used more than {limit:.0%} of the processor "
+    "is repeated, and the second time does not count."
+)
