@@ -59,17 +59,18 @@ def cells(row):
 
 
 def table(rows):
-    return page.table(["comparison", "peer", "Taotie", "peer's", "ratio", "goal", "verdict"], list(map(cells, rows)))
+    head = ["comparison", "peer", "Taotie", "peer's", "ratio", "goal", "verdict"]
+    return page.table(head, list(map(cells, rows)), texts=(0, 1, 6))
 
 
 def counts(rows):
     """A sentence with the number of rows in each group."""
-    groups = [group(row) for row in rows]
-    missed = sum(row.goal is not None and not row.is_busy() and row.ratio() < row.goal for row in rows)
-    wanted = sum(row.goal is not None for row in rows)
+    wins, disturbed = (sum(group(row) == wanted for row in rows) for wanted in (PEER_WINS, DISTURBED))
+    aims = [row for row in rows if row.goal is not None and not row.is_busy()]
+    missed = sum(row.ratio() < row.goal for row in aims)
     return (
-        f"Of {len(rows):,} comparisons, a peer wins {groups.count(PEER_WINS)}; of {wanted} goals, {missed} are missed; "
-        f"{groups.count(DISTURBED)} comparisons were disturbed."
+        f"Comparisons: {len(rows)}, of which peers win {wins}, and {disturbed} without a conclusion. "
+        f"Goals: {len(aims)}, of which {missed} missed."
     )
 
 

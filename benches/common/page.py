@@ -31,8 +31,10 @@ def row(cells):
     return f"| {' | '.join(cells)} |"
 
 
-def table(head, rows):
-    return [row(head), "|---|" + "---:|" * (len(head) - 1), *map(row, rows)]
+def table(head, rows, texts=(0,)):
+    """The columns `texts` are aligned to the left, figures to the right."""
+    rule = "".join("---|" if column in texts else "---:|" for column in range(len(head)))
+    return [row(head), f"|{rule}", *map(row, rows)]
 
 
 def marks(target):

@@ -90,6 +90,14 @@ fn what_surrounds_a_release_works() {
     }
 }
 
+/// How `make bench` decides, and the page it writes. The package is not used.
+#[test]
+fn benchmarks_draw_the_right_conclusions() {
+    if let Some(package) = Package::find("python-benches") {
+        package.run(&["pytest", "-p", "no:cacheprovider", "tests/benches"]);
+    }
+}
+
 #[test]
 fn its_types_are_those_of_the_module() {
     if let Some(package) = Package::find("python-types") {
