@@ -6,6 +6,7 @@ processor too often, the page is not written and the exit code is not 0.
 """
 
 import argparse
+import contextlib
 import datetime
 import os
 import shutil
@@ -53,14 +54,18 @@ def report_path(args, part):
 
 
 def measured(args, part):
-    """Runs the program of a part; its report."""
+    """Runs the program of a part; its report. Ends if there is none, as with the part's `--help`."""
     venv = os.path.join("target", f"bench-{part}", "venv")
     subprocess.run(["make", "--no-print-directory", f"{venv}/ready"], cwd=ROOT, check=True, stdout=sys.stderr)
     run = [os.path.join(ROOT, venv, "bin/python"), os.path.join(ROOT, "benches", part, "bench.py")]
     run += ["--programs", args.programs, "--report", report_path(args, part), *args.options]
     run += ["--quick"] if args.quick else []
     say(f"{part}: measuring")
+    with contextlib.suppress(FileNotFoundError):
+        os.remove(report_path(args, part))
     subprocess.run(run, check=True, env=os.environ | {"PYTHONPATH": os.path.join(ROOT, "benches/common")})
+    if not os.path.exists(report_path(args, part)):
+        sys.exit()
     return rows.load(report_path(args, part))
 
 

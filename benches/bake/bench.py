@@ -124,7 +124,7 @@ def main():
             bakers["blender"] = lambda job: by_blender(job, paths)
         results.append((job, *quiet.undisturbed(lambda watch: timed(job, rounds, bakers, watch))))
     rows = [row for result in results for row in compared(*result)]
-    busy = sum(watch.most() > quiet.LIMIT for _, _, watch in results)
+    busy = sum(watch.is_busy(*times) for _, times, watch in results)
     versions = {"Blender": f"{one['version']} (`bpy`)" for _, times, _ in results for one in times.get("blender", [])}
     text = section.text(results, accuracy(results, paths), lacks)
     Report(rows, versions, text, busy, len(results)).save(args.report)

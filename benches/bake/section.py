@@ -2,7 +2,6 @@
 
 from statistics import median
 
-import quiet
 from page import BUSY, seconds, table, wrapped
 from rows import Row
 
@@ -21,7 +20,7 @@ def _times_row(job, bakers, watch):
     cells = [job.title, str(len(own))]
     for key, show in (("seconds", seconds), ("mib", lambda mib: f"{mib:.0f}")):
         ours, theirs = ([run[key] for run in runs] for runs in (own, other))
-        if key == "seconds" and watch.most() > quiet.LIMIT:
+        if key == "seconds" and watch.is_busy(*bakers):
             cells += [BUSY, BUSY, BUSY]
         elif other:
             ratio = Row(job.title, "Blender", key, ours, theirs).ratio_text()

@@ -1,5 +1,5 @@
-//! The Python package as cargo built it: the tests in `python/tests`, except for slow ones, and in `tests/dist`, and
-//! its types.
+//! The Python package as cargo built it: the tests in `python/tests`, except for slow ones, in `tests/dist` and
+//! `tests/benches`, and its types.
 #![allow(clippy::print_stdout, reason = "tests print their findings")]
 
 #[allow(dead_code)]
