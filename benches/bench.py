@@ -1,8 +1,8 @@
 """Compares Taotie with other programs: `make bench`.
 
 Measures each part with the program of its folder, and writes the summary and the sections of docs/benchmarks.md. A part
-that is not measured must have been, by an earlier run, after the programs were built. If other programs used the
-processor too often, the page is not written and the exit code is not 0.
+that is not measured must have been, by an earlier run, after the programs were built. If other programs disturbed
+more than a tenth of the measurements of a part, the page is not written and the exit code is not 0.
 """
 
 import argparse
@@ -115,9 +115,9 @@ def main():
     here = machine.described(os.path.join(args.programs, "taotie"))
     text = summary.text(here, dates(args, reports), [*reports.values()])
     print("\n\n".join([text, *(report.section for report in new.values())]))
-    refused = [part for part, report in reports.items() if summary.is_refused([report])]
-    if summary.is_refused([*reports.values()]):
-        sys.exit(f"no page: other programs disturbed too many measurements; repeat BENCH='--only {','.join(refused)}'")
+    refused = ",".join(part for part, report in reports.items() if summary.is_refused(report))
+    if refused:
+        sys.exit(f"no conclusions: other programs disturbed too many measurements; repeat with --only {refused}")
     lacking = [part for part in PARTS if part not in reports]
     if args.is_whole and lacking:
         say(f"no page yet: not measured with these programs: {', '.join(lacking)}")

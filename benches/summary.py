@@ -6,7 +6,7 @@ import statistics
 import page
 import quiet
 
-# The greatest part of the measurements that other programs may disturb; with more, there is no page.
+# The greatest fraction of a part's measurements that other programs may disturb; one is tolerated in any case.
 TOLERATED = 0.1
 PEER_WINS, GOAL_MISSED, REST, DISTURBED = range(4)
 
@@ -52,10 +52,11 @@ def figure(x):
 
 
 def cells(row):
-    own, other = (f"{figure(statistics.median(some))} {row.unit}" for some in (row.own, row.other))
     goal = "–" if row.goal is None else f"{row.goal:g}"
-    ratio = "–" if row.is_busy() else row.ratio_text()
-    return [row.case, row.peer, own, other, ratio, goal, verdict(row)]
+    if row.is_busy():
+        return [row.case, row.peer, "–", "–", "–", goal, verdict(row)]
+    own, other = (f"{figure(statistics.median(some))} {row.unit}" for some in (row.own, row.other))
+    return [row.case, row.peer, own, other, row.ratio_text(), goal, verdict(row)]
 
 
 def table(rows):
@@ -74,9 +75,9 @@ def counts(rows):
     )
 
 
-def is_refused(reports):
-    """Whether other programs disturbed too many measurements for a conclusion."""
-    return sum(report.busy for report in reports) > TOLERATED * sum(report.measured for report in reports)
+def is_refused(report):
+    """Whether other programs disturbed too many measurements of the part for a page."""
+    return report.busy > max(1, TOLERATED * report.measured)
 
 
 def versions(reports):
@@ -84,15 +85,16 @@ def versions(reports):
     found = {}
     for report in reports:
         found |= report.versions
-    return "; ".join(f"{title}: {version}" for title, version in found.items()) + "."
+    return "".join(f"{title}: {version}. " for title, version in found.items()).rstrip()
 
 
 def text(machine, dates, reports):
     """The Markdown of the summary. `machine` and `dates` are phrases."""
     rows = [row for report in reports for row in report.rows]
-    about = ABOUT.format(limit=quiet.LIMIT)
-    lines = [page.wrapped(about), "", page.wrapped(f"Measured on {dates}: {machine}. {versions(reports)}"), ""]
-    return "\n".join([*lines, page.wrapped(counts(rows)), "", *table(shown(rows))])
+    about = ABOUT.format(limit=100 * quiet.LIMIT)
+    lines = [page.wrapped(about), "", page.wrapped(f"Measured on {dates}: {machine}. {versions(reports)}")]
+    lines += ["", counts(rows), "", *table(shown(rows))] if rows else []
+    return "\n".join(lines)
 
 
 ABOUT = (
@@ -100,6 +102,6 @@ ABOUT = (
     "the median over the rounds, with the least and greatest in brackets: above 1, Taotie is better. “Even” means that "
     "the rounds disagree. First come the rows that a peer wins, then missed goals, then the rest, of which rows without "
     "a goal only name the nearest peer of a comparison: the others are in the sections below, as multiples of Taotie's. "
-    "A measurement during which other programs, or other virtual machines, used more than {limit:.0%} of the processor "
-    "is repeated, and the second time does not count."
+    "A measurement during which other programs, or other virtual machines, used more than {limit:.0f} % of the processor "
+    "is repeated once; if it is disturbed again, it has no ratio."
 )

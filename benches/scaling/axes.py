@@ -21,6 +21,10 @@ class Case:
         """The name of the scene."""
         return f"{self.mesh}-{self.maps}-{self.lights}"
 
+    def is_quick(self):
+        """Whether its scene is generated, and an image rendered, within seconds."""
+        return self.mesh not in ("2m", "20m") and self.maps <= 2048 and self.side <= 2048
+
 
 @dataclasses.dataclass(frozen=True)
 class Point:
@@ -43,8 +47,8 @@ class Axis:
     points: tuple
 
     def quick(self):
-        """Only the base and the ends, without scenes that take long to generate."""
-        some = [point for point in self.points if point.case.mesh != "20m" and point.case.maps <= BASE.maps]
+        """Only the base and the ends, without cases that take long."""
+        some = [point for point in self.points if point.case.is_quick()]
         amounts = [point.amount for point in some]
         kept = {min(amounts), max(amounts), *(point.amount for point in some if point.case == BASE)}
         return dataclasses.replace(self, points=tuple(point for point in some if point.amount in kept))

@@ -72,7 +72,7 @@ def test_verdicts(one: Row, expected: str) -> None:
 
 
 def test_a_disturbed_row_has_no_ratio() -> None:
-    assert summary.cells(DISTURBED)[4] == "–"
+    assert summary.cells(DISTURBED)[2:5] == ["–", "–", "–"]
     assert "1 without a conclusion" in summary.counts(ALL)
     assert "Goals: 2, of which 1 missed" in summary.counts(ALL)
 
@@ -88,13 +88,9 @@ def test_figures_have_three_digits() -> None:
     assert [summary.figure(x) for x in (0.0812, 8.5, 15.92, 131.6, 1488)] == ["0.0812", "8.50", "15.9", "132", "1,488"]
 
 
-def test_a_page_is_refused_if_other_programs_disturbed_more_than_a_tenth() -> None:
-    def report(busy: int) -> Report:
-        return Report([], {}, "", busy, 20)
-
-    assert not summary.is_refused([report(2)])
-    assert summary.is_refused([report(3)])
-    assert not summary.is_refused([report(3), report(0)])
+@pytest.mark.parametrize(("busy", "measured", "expected"), [(1, 3, False), (2, 3, True), (2, 20, False), (3, 20, True)])
+def test_a_page_is_refused_if_more_is_disturbed(busy: int, measured: int, expected: bool) -> None:
+    assert summary.is_refused(Report([], {}, "", busy, measured)) == expected
 
 
 def test_a_report_survives_its_file(tmp_path: Path) -> None:
