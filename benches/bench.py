@@ -12,6 +12,7 @@ import os
 import shutil
 import subprocess
 import sys
+import time
 
 import command
 import machine
@@ -61,11 +62,13 @@ def measured(args, part):
     run += ["--programs", args.programs, "--report", report_path(args, part), *args.options]
     run += ["--quick"] if args.quick else []
     say(f"{part}: measuring")
+    start = time.monotonic()
     with contextlib.suppress(FileNotFoundError):
         os.remove(report_path(args, part))
     subprocess.run(run, check=True, env=os.environ | {"PYTHONPATH": os.path.join(ROOT, "benches/common")})
     if not os.path.exists(report_path(args, part)):
         sys.exit()
+    say(f"{part}: measured in {(time.monotonic() - start) / 60:.1f} minutes")
     return rows.load(report_path(args, part))
 
 
