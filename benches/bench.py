@@ -16,6 +16,7 @@ import time
 
 import command
 import machine
+import measured
 import page
 import quiet
 import rows
@@ -44,7 +45,9 @@ def arguments():
         parser.error(f"--only: unknown part `{unknown[0]}`; expected some of {','.join(PARTS)}")
     if args.options and len(args.only) > 1:
         parser.error("options of a part need --only PART")
-    command.check_program(parser, os.path.join(args.programs, "taotie"))
+    for program in (os.path.join(args.programs, "taotie"), measured.frames(args.programs)):
+        if not os.access(program, os.X_OK):
+            parser.error(f"{program} is not a program; `make bench` builds it")
     args.is_whole = not (args.quick or args.options)
     args.folder = os.path.join(args.folder, "whole" if args.is_whole else "some")
     return args
@@ -54,7 +57,7 @@ def report_path(args, part):
     return os.path.join(args.folder, f"{part}.json")
 
 
-def measured(args, part):
+def measure(args, part):
     """Runs the program of a part; its report. Ends if there is none, as with the part's `--help`."""
     venv = os.path.join("target", f"bench-{part}", "venv")
     subprocess.run(["make", "--no-print-directory", f"{venv}/ready"], cwd=ROOT, check=True, stdout=sys.stderr)
@@ -102,7 +105,7 @@ def mark(part):
 def require_quiet():
     share = quiet.settle(PATIENCE)
     if share > quiet.LIMIT:
-        sys.exit(f"other programs use {share:.0%} of the processor: stop them, and start again")
+        sys.exit(f"other programs use {100 * share:.0f} % of the processor: stop them, and start again")
 
 
 def main():
@@ -112,7 +115,7 @@ def main():
         for target in ("bench", *map(mark, PARTS)):
             page.around(args.page, target)  # fails now rather than after half an hour
         require_quiet()
-    new = {part: measured(args, part) for part in PARTS if part in args.only}
+    new = {part: measure(args, part) for part in PARTS if part in args.only}
     reports = {part: new.get(part) or (earlier(args, part) if args.is_whole else None) for part in PARTS}
     reports = {part: report for part, report in reports.items() if report}
     here = machine.described(os.path.join(args.programs, "taotie"))

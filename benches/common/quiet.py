@@ -64,7 +64,7 @@ def undisturbed(attempt):
     """The result of `attempt(watch)`, and the watch; of a second attempt if other programs disturbed the first."""
     result, watch = _watched(attempt)
     if watch.most() > LIMIT:
-        say(f"measuring again: other programs used {watch.most():.0%} of the processor")
+        say(f"measuring again: other programs used {100 * watch.most():.0f} % of the processor")
         result, watch = _watched(attempt)
     return result, watch
 

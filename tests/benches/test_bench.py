@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import os
 import subprocess
 import sys
@@ -19,6 +20,7 @@ from quiet import LIMIT, Load, Watch
 from rows import Report, Row
 
 LINUX = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="needs /proc")
+WINDOWS_LACKS_IT = pytest.mark.skipif(sys.platform == "win32", reason="needs sh")
 # Computes for a second of wall time.
 BURN = "import time\nend = time.time() + 1\nwhile time.time() < end: pass"
 # A second of one processor, in clock ticks.
@@ -167,6 +169,78 @@ def test_the_page_in_the_repository_has_a_place_for_every_part() -> None:
         page.around(str(path), bench.mark(part))
     before, _ = page.around(str(path), "bench")
     assert before == "# Benchmarks\n\n"
+
+
+class Run:
+    """`make bench` with programs that do nothing, and parts that report at once."""
+
+    def __init__(self, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.folder, self.busy, self.monkeypatch = folder, dict.fromkeys(bench.PARTS, 0), monkeypatch
+        for name in ("taotie", "frames"):
+            (folder / name).write_text("#!/bin/sh\necho taotie 1.2.3\n")
+            (folder / name).chmod(0o755)
+        self.page = folder / "page.md"
+        marks = [page.marks(target) for target in ("bench", *map(bench.mark, bench.PARTS))]
+        self.page.write_text("".join(f"{begin}\n{end}\n" for begin, end in marks))
+        monkeypatch.setattr(quiet, "settle", lambda *_: 0.0)
+        monkeypatch.setattr(bench, "measure", self.measure)
+
+    def measure(self, args: argparse.Namespace, part: str) -> Report:
+        (Path(args.folder) / bench.PLOT).write_text("<svg/>")
+        report = Report([row(f"a case of {part}", [2.0])], {}, f"section of {part}", self.busy[part], 3)
+        report.save(bench.report_path(args, part))
+        return report
+
+    def start(self, *options: str) -> str:
+        """The page after a run with these options."""
+        folders = ["--programs", str(self.folder), "--folder", str(self.folder), "--page", str(self.page)]
+        self.monkeypatch.setattr(sys, "argv", ["bench.py", *folders, *options])
+        bench.main()
+        return self.page.read_text()
+
+
+@pytest.fixture
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
+    return Run(tmp_path, monkeypatch)
+
+
+@WINDOWS_LACKS_IT
+def test_a_whole_run_writes_the_page(run: Run) -> None:
+    text = run.start()
+    assert all(f"section of {part}" in text and f"a case of {part}" in text for part in bench.PARTS)
+    assert machine.processor() in text and "taotie 1.2.3" in text
+    assert (run.folder / "images" / bench.PLOT).exists()
+
+
+@WINDOWS_LACKS_IT
+def test_a_disturbed_run_does_not_write_the_page_until_its_part_is_repeated(run: Run) -> None:
+    run.busy["bake"] = 2
+    with pytest.raises(SystemExit, match="repeat with --only bake"):
+        run.start()
+    assert "section" not in run.page.read_text()
+    run.busy["bake"] = 0
+    assert "section of render" in run.start("--only", "bake")
+
+
+@WINDOWS_LACKS_IT
+def test_parts_measured_before_the_programs_were_built_do_not_count(run: Run) -> None:
+    run.start()
+    run.page.write_text(run.page.read_text().replace("section of bake", "earlier"))
+    later = time.time() + 10
+    os.utime(run.folder / "taotie", (later, later))
+    assert "earlier" in run.start("--only", "bake")
+
+
+@WINDOWS_LACKS_IT
+def test_a_quick_run_does_not_write_the_page(run: Run) -> None:
+    assert "section" not in run.start("--quick")
+
+
+@WINDOWS_LACKS_IT
+def test_a_busy_machine_is_refused_at_the_start(run: Run) -> None:
+    run.monkeypatch.setattr(quiet, "settle", lambda *_: 0.4)
+    with pytest.raises(SystemExit, match="other programs use 40 %"):
+        run.start()
 
 
 def test_the_widest_instructions_are_named() -> None:
