@@ -70,8 +70,8 @@ def counts(rows):
     aims = [row for row in rows if row.goal is not None and not row.is_busy()]
     missed = sum(row.ratio() < row.goal for row in aims)
     return (
-        f"Comparisons: {len(rows)}, of which peers win {wins}, and {disturbed} without a conclusion. "
-        f"Goals: {len(aims)}, of which {missed} missed."
+        f"Comparisons: {len(rows)}; won by peers: {wins}; without a conclusion: {disturbed}. "
+        f"Goals: {len(aims)}; missed: {missed}."
     )
 
 
