@@ -46,17 +46,21 @@ memory: ## Compare the estimated with the actual memory of commands, for docs/se
 	$(if $(TAOTIE),,cargo build --release -p taotie-cli)
 	python3 benches/memory/memory.py $(if $(TAOTIE),--taotie $(TAOTIE)) $(MEMORY)
 
-bench: ## Measure milliseconds per stage of the renderer
-	cargo bench -p taotie --bench stages
-
-# Blender is a Python package for Python 3.11; without it, only Taotie is measured. TAOTIE=/path/to/taotie times that
-# program instead of building one; BENCH contains options, `make bench-bake BENCH=--help` lists them.
-BENCH_VENV = target/bench-bake/venv
+# The peers are installed into target/bench-*/venv; those that cannot be installed here are skipped with a message. Blender
+# is a Python package for Python 3.11. TAOTIE_BIN=/folder/of/programs uses `taotie` and `frames` from there instead of
+# building them; BENCH contains options: `make bench BENCH=--help` lists them, `make bench BENCH='--only bake -- --help'`
+# those of a part.
+BENCHED = $(or $(TAOTIE_BIN),target/release)
+COMPARE = PYTHONPATH=benches/common python3 benches/bench.py --programs $(abspath $(BENCHED))
 PYTHON = $(shell command -v python3.11 || echo python3)
-bench-bake: $(BENCH_VENV)/ready ## Compare bakes of Taotie and Blender, for docs/benchmarks.md; BENCH=--quick: fewer
-	$(if $(TAOTIE),,cargo build --release -p taotie-cli)
-	PYTHONPATH=benches/common $(BENCH_VENV)/bin/python benches/bake/bench.py $(if $(TAOTIE),--taotie $(TAOTIE)) $(BENCH)
+bench: programs ## Compare with other programs, for docs/benchmarks.md; BENCH=--quick prints a few comparisons
+	$(COMPARE) $(BENCH)
 
+programs:
+	$(if $(TAOTIE_BIN),,cargo build --release -p taotie-cli && cargo build --release -p taotie --example frames)
+
+# TAOTIE=/path/to/taotie uses that program instead of building one.
+BENCH_VENV = target/bench-bake/venv
 bench-maps: $(BENCH_VENV)/ready ## Compare maps of Taotie with Blender's and with rays by Embree, for docs/benchmarks.md
 	$(if $(TAOTIE),,cargo build --release -p taotie-cli)
 	PYTHONPATH=benches/common $(BENCH_VENV)/bin/python benches/bake/maps.py $(if $(TAOTIE),--taotie $(TAOTIE)) $(BENCH)
@@ -67,58 +71,33 @@ $(BENCH_VENV)/ready: benches/bake/requirements.txt
 	{ grep -v '^bpy' $< >$(BENCH_VENV)/others.txt && $(BENCH_VENV)/bin/pip install --quiet --requirement $(BENCH_VENV)/others.txt; }
 	touch $@
 
-# Peers that cannot be installed here are skipped with a message. TAOTIE_BIN=/folder/of/programs uses `taotie` and `frames`
-# from there instead of building them; `make bench-render BENCH=--help` lists the options.
-RENDER_VENV = target/bench-render/venv
-bench-render: $(RENDER_VENV)/ready ## Compare Taotie with other renderers, for docs/benchmarks.md; BENCH=--quick: fewer
-	$(if $(TAOTIE_BIN),,cargo build --release -p taotie-cli && cargo build --release -p taotie --example frames)
-	PYTHONPATH=benches/common $(RENDER_VENV)/bin/python benches/render/bench.py $(if $(TAOTIE_BIN),--programs $(TAOTIE_BIN)) $(BENCH)
-
-$(RENDER_VENV)/ready: benches/render/requirements.txt benches/render/install.sh
-	sh benches/render/install.sh $(PYTHON) $(RENDER_VENV)
+target/bench-render/venv/ready: benches/render/requirements.txt benches/render/install.sh
+	sh benches/render/install.sh $(PYTHON) $(@D)
 	touch $@
 
-# TAOTIE=/path/to/taotie times that program instead of building one; `make bench-reference BENCH=--help` lists the options.
-REFERENCE_VENV = target/bench-reference/venv
-bench-reference: $(REFERENCE_VENV)/ready ## Compare path tracing of Taotie and Mitsuba at equal error, for docs/benchmarks.md
-	$(if $(TAOTIE),,cargo build --release -p taotie-cli)
-	PYTHONPATH=benches/common $(REFERENCE_VENV)/bin/python benches/reference/bench.py $(if $(TAOTIE),--taotie $(TAOTIE)) $(BENCH)
-
-$(REFERENCE_VENV)/ready: benches/reference/requirements.txt
-	$(PYTHON) -m venv $(REFERENCE_VENV)
-	$(REFERENCE_VENV)/bin/pip install --quiet --requirement $<
+target/bench-%/venv/ready: benches/%/requirements.txt
+	$(PYTHON) -m venv $(@D)
+	$(@D)/bin/pip install --quiet --requirement $<
 	touch $@
 
 # LLVM fuses products and sums wherever it finds them, which Rust itself never does.
 FUSED = RUSTFLAGS="-C llvm-args=-fp-contract=fast" cargo build --release --target-dir target/fused
-bench-fma: $(RENDER_VENV)/ready ## Measure the cost of reproducible bits: the same programs with fused multiply-add
-	cargo build --release -p taotie-cli && cargo build --release -p taotie --example frames
+bench-fma: programs ## Measure the cost of reproducible bits: the same programs with fused multiply-add
 	$(FUSED) -p taotie --example frames
-	PYTHONPATH=benches/common $(RENDER_VENV)/bin/python benches/render/bench.py --only none --also target/fused/release $(BENCH)
+	$(COMPARE) --only render -- --peer none --cold-rounds 0 --also $(abspath target/fused/release) $(BENCH)
 
-bench-floor: ## Measure the arithmetic and texel loads of a pixel, and compare them with a frame
-	cargo bench -p taotie --bench floor
+bench-stages: ## Measure milliseconds per stage of the renderer, and the arithmetic and texel loads of a pixel
+	cargo bench -p taotie --bench stages --bench floor
 
 bench-gpu: ## Measure frames per second on the GPU and the CPU; BENCH=--quick: fewer
 	cargo run --release -p taotie-gpu --example gpu_frames -- $(BENCH)
 
-SCALING_VENV = target/bench-scaling/venv
-bench-scaling: $(SCALING_VENV)/ready ## Measure frame time over triangles, pixels, lights, textures, threads, for docs; BENCH=--quick: fewer
-	$(if $(TAOTIE_BIN),,cargo build --release -p taotie-cli && cargo build --release -p taotie --example frames)
-	PYTHONPATH=benches/common $(SCALING_VENV)/bin/python benches/scaling/bench.py $(if $(TAOTIE_BIN),--programs $(TAOTIE_BIN)) $(BENCH)
-
-$(SCALING_VENV)/ready: benches/scaling/requirements.txt
-	$(PYTHON) -m venv $(SCALING_VENV)
-	$(SCALING_VENV)/bin/pip install --quiet --requirement $<
-	touch $@
-
 # The baseline is in target/bench-check/base. BASE=REV builds a revision other than the latest tag; BASE_BIN and TAOTIE_BIN
 # name folders with the old and the new `taotie` and `frames`; `make bench-check BENCH=--help` lists the options.
 CHECK = target/bench-check
-bench-check: $(SCALING_VENV)/ready ## Fail if a short set is slower than the baseline by more than 5 %
-	$(if $(TAOTIE_BIN),,cargo build --release -p taotie-cli && cargo build --release -p taotie --example frames)
-	PYTHONPATH=benches/common:benches/render:benches/bake $(SCALING_VENV)/bin/python benches/check/check.py \
-		$(if $(TAOTIE_BIN),--programs $(TAOTIE_BIN)) $(if $(BASE_BIN),--base $(BASE_BIN)) $(BENCH)
+bench-check: programs target/bench-scaling/venv/ready ## Fail if a short set is slower than the baseline by more than 5 %
+	PYTHONPATH=benches/common:benches/render:benches/bake target/bench-scaling/venv/bin/python benches/check/check.py \
+		--programs $(BENCHED) $(if $(BASE_BIN),--base $(BASE_BIN)) $(BENCH)
 
 BASE = $(shell git describe --tags --abbrev=0 2>/dev/null)
 bench-store: ## Build the baseline of make bench-check: the latest tag, or BASE=REV
@@ -165,11 +144,6 @@ DISTANCES_VENV = target/bench-distances/venv
 bench-distances: $(DISTANCES_VENV)/ready ## Compare distance bounds with two million points by Embree; SCANS="FILE ..."
 	$(if $(TAOTIE),,cargo build --release -p taotie-cli)
 	$(DISTANCES_VENV)/bin/python benches/distances/check.py $(if $(TAOTIE),--taotie $(TAOTIE)) $(SCANS)
-
-$(DISTANCES_VENV)/ready: benches/distances/requirements.txt
-	$(PYTHON) -m venv $(DISTANCES_VENV)
-	$(DISTANCES_VENV)/bin/pip install --quiet --requirement $<
-	touch $@
 
 # TAOTIE=/path/to/taotie makes the pictures of the gallery and the viewer's page; by default a release build, if there is
 # one. Each command runs once until it or the program changes. The newest wheel of `make wheel` runs the notebooks.
@@ -288,6 +262,7 @@ python: $(PYTHON_VENV)/ready ## Build the Python package into target/python, and
 	VIRTUAL_ENV=$(CURDIR)/$(PYTHON_VENV) $(PYTHON_VENV)/bin/maturin develop --profile dev --quiet
 	$(PYTHON_VENV)/bin/python -m pytest
 	$(PYTHON_VENV)/bin/python -m pytest tests/dist
+	$(PYTHON_VENV)/bin/python -m pytest tests/benches
 	$(PYTHON_VENV)/bin/mypy
 	$(PYTHON_VENV)/bin/mypy python/tests/typed.py
 	$(PYTHON_VENV)/bin/pyright --pythonpath $(PYTHON_VENV)/bin/python

@@ -1,33 +1,27 @@
-"""Bakes the same jobs with Taotie and Blender in alternation, and reports time and memory: `make bench-bake`."""
+"""The part `bake` of `make bench`: bakes by Taotie and Blender in alternation, with time and memory."""
 
 import json
 import os
-import statistics
 import sys
 
 import command
 import files
 import jobs
-import machine
 import measure
-import page
+import quiet
 import section
 from command import say
+from rows import Report, Row
 
-TARGET = "bench-bake"
+# The figures that are compared.
+KEYS = ("seconds", "mib")
 
 
 def arguments():
-    parser = command.parser(__doc__, TARGET)
-    taotie = os.path.join(command.PROGRAMS, "taotie")
-    parser.add_argument("--taotie", default=taotie, help="the program to time")
-    parser.add_argument("--rounds", type=int, help="rounds per job [default: 3 for scans of 1 M, 1 for larger ones]")
-    parser.add_argument("--quick", action="store_true", help="the jobs at 1 M once; prints without writing the page")
-    args = parser.parse_args()
-    if args.rounds is not None and args.rounds < 1:
-        parser.error("--rounds: at least 1")
-    command.check_program(parser, args.taotie)
-    return args
+    parser = command.part_parser(__doc__, "bench-bake")
+    parser.add_argument("--rounds", type=int, help="rounds per job [default: 3; 1 for jobs without a peer]")
+    parser.add_argument("--job", action="append", choices=[job.name for job in jobs.JOBS], help="only this job")
+    return command.part_arguments(parser)
 
 
 def script(name, *rest):
@@ -36,7 +30,7 @@ def script(name, *rest):
 
 def chosen(args):
     """The jobs, each with its number of rounds."""
-    some = [job for job in jobs.JOBS if job.scan == "1m" or not args.quick]
+    some = [job for job in jobs.JOBS if (job.name in args.job if args.job else job.scan == "1m" or not args.quick)]
     return [(job, args.rounds or (1 if args.quick else job.rounds)) for job in some]
 
 
@@ -62,26 +56,35 @@ def by_blender(job, paths):
     return {"seconds": seconds, "mib": run.mib, "import": answer["import"], "version": answer["version"]}
 
 
-def timed(job, rounds, bakers):
-    """Medians of each baker; they alternate, so that a machine that slows down slows both."""
+def timed(job, rounds, bakers, watch):
+    """The results of each baker by round; they alternate, so that a machine that slows down slows both."""
     results = {name: [] for name in bakers}
     for _ in range(rounds):
         for name, bake in bakers.items():
-            result = bake(job)
+            with watch.turn(name):
+                result = bake(job)
             results[name].append(result)
             say(f"{job.name:12} {name:8} {result['seconds']:8.2f} s {result['mib']:7.0f} MiB")
-    return {name: median(rows) for name, rows in results.items()}
+    return results
 
 
-def median(rows):
-    numbers = [key for key, value in rows[0].items() if isinstance(value, float)]
-    return rows[0] | {key: statistics.median(row[key] for row in rows) for key in numbers}
+def compared(job, results, watch):
+    """Rows of time and memory."""
+    if "blender" not in results:
+        return []
+    own, other = ({key: [row[key] for row in results[name]] for key in KEYS} for name in ("taotie", "blender"))
+    load = watch.share("taotie", "blender")
+    case = f"bake, {job.title}"
+    return [
+        Row(case, "Blender", "s", own["seconds"], other["seconds"], section.TIME_GOAL, load),
+        Row(f"{case}: peak memory", "Blender", "MiB", own["mib"], other["mib"], section.MEMORY_GOAL),
+    ]
 
 
 def maps_of(results, paths):
     """The normal maps baked from the scan of 1 M as NAME=PATH; Taotie's are extracted from its assets."""
     named = []
-    for job, _, times in results:
+    for job, times, _ in results:
         if job.scan != "1m" or job.kind != "normal":
             continue
         samples = f"{job.samples} sample{'s' if job.samples > 1 else ''}"
@@ -95,10 +98,12 @@ def maps_of(results, paths):
 
 
 def accuracy(results, paths):
-    """The output of accuracy.py, run in a separate process; or why it failed."""
-    scan = next(paths.scan(job) for job, _, _ in results if job.scan == "1m")
+    """The output of accuracy.py, run in a separate process; or why there is none."""
+    maps = maps_of(results, paths)
+    if not maps:
+        return {"lacks": "no normals of the 1 M job were baked"}
     try:
-        run = measure.run(script("accuracy.py", scan, paths.low("npz"), *maps_of(results, paths)))
+        run = measure.run(script("accuracy.py", paths.scan_named("1m"), paths.low("npz"), *maps))
     except measure.Failed as failed:
         return {"lacks": str(failed).strip().splitlines()[-1]}
     return json.loads(run.output)
@@ -107,8 +112,6 @@ def accuracy(results, paths):
 def main():
     args = arguments()
     paths, some = jobs.Paths(args.folder), chosen(args)
-    if not args.quick:
-        page.around(args.page, TARGET)  # fails now rather than after minutes
     measure.run(script("scene.py", args.folder, *dict.fromkeys(job.scan for job, _ in some)))
     lacks = blender_lacks()
     if lacks:
@@ -119,11 +122,12 @@ def main():
         bakers = {"taotie": lambda job: by_taotie(args.taotie, job, paths)}
         if job.blender and not lacks:
             bakers["blender"] = lambda job: by_blender(job, paths)
-        results.append((job, rounds, timed(job, rounds, bakers)))
-    text = section.text(machine.described(args.taotie), results, accuracy(results, paths), lacks)
-    print(text)
-    if not args.quick:
-        page.write(args.page, TARGET, text)
+        results.append((job, *quiet.undisturbed(lambda watch: timed(job, rounds, bakers, watch))))
+    rows = [row for result in results for row in compared(*result)]
+    busy = sum(watch.is_busy(*times) for _, times, watch in results)
+    versions = {"Blender": f"{one['version']} (`bpy`)" for _, times, _ in results for one in times.get("blender", [])}
+    text = section.text(results, accuracy(results, paths), lacks)
+    Report(rows, versions, text, busy, len(results)).save(args.report)
 
 
 if __name__ == "__main__":

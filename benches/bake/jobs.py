@@ -31,7 +31,7 @@ JOBS = (
     Job("normal-1m", "1 M → 2048², normals, 1 sample", "1m", blender=True, rounds=3),
     Job("normal-1m-4", "1 M → 2048², normals, 4 samples", "1m", samples=4, rounds=3),
     Job("ao-1m", "1 M → 2048², occlusion, 16 rays", "1m", kind="ao", samples=16, blender=True, rounds=3),
-    Job("normal-8m", "8 M → 4096², normals, 1 sample", "8m", size=4096, blender=True),
+    Job("normal-8m", "8 M → 4096², normals, 1 sample", "8m", size=4096, blender=True, rounds=3),
     Job("normal-20m", "20 M → 2048², normals, 4 samples", "20m", samples=4),
     Job("made-20m", "20 M → 50,000 triangles generated, 2048², normals, 4 samples", "20m", samples=4, triangles=50_000),
 )
@@ -44,7 +44,10 @@ class Paths:
         self.folder = folder
 
     def scan(self, job):
-        return os.path.join(self.folder, f"scan-{job.scan}.ply")
+        return self.scan_named(job.scan)
+
+    def scan_named(self, name):
+        return os.path.join(self.folder, f"scan-{name}.ply")
 
     def low(self, extension):
         return os.path.join(self.folder, f"low.{extension}")

@@ -1,6 +1,9 @@
 """The section of docs/benchmarks.md."""
 
-from page import seconds, table, two_digits, wrapped
+from statistics import median
+
+from page import BUSY, seconds, table, wrapped
+from rows import Row
 
 # Minimum ratios of Blender's time and memory to Taotie's.
 TIME_GOAL, MEMORY_GOAL = 12, 6
@@ -12,12 +15,18 @@ def times(results):
     return table(head, [_times_row(*result) for result in results])
 
 
-def _times_row(job, rounds, bakers):
-    own, other = bakers["taotie"], bakers.get("blender")
-    cells = [job.title, str(rounds)]
+def _times_row(job, bakers, watch):
+    own, other = bakers["taotie"], bakers.get("blender", [])
+    cells = [job.title, str(len(own))]
     for key, show in (("seconds", seconds), ("mib", lambda mib: f"{mib:.0f}")):
-        peer = [show(other[key]), two_digits(other[key] / own[key])] if other else ["–", "–"]
-        cells += [show(own[key]), *peer]
+        ours, theirs = ([run[key] for run in runs] for runs in (own, other))
+        if key == "seconds" and watch.is_busy(*bakers):
+            cells += [BUSY, BUSY, BUSY]
+        elif other:
+            ratio = Row(job.title, "Blender", key, ours, theirs).ratio_text()
+            cells += [show(median(ours)), show(median(theirs)), ratio]
+        else:
+            cells += [show(median(ours)), "–", "–"]
     return cells
 
 
@@ -30,11 +39,10 @@ def errors(accuracy):
 def about_blender(results, lacks):
     if lacks:
         return f"Blender was not available ({lacks}), so only Taotie was measured."
-    answers = [bakers["blender"] for _, _, bakers in results if "blender" in bakers]
-    longest = max(answer["import"] for answer in answers)
+    longest = max((run["import"] for _, bakers, _ in results for run in bakers.get("blender", [])), default=0)
     return (
-        f"Blender is {answers[0]['version']} (`bpy`, Cycles on the CPU, selected to active). Its time is load, "
-        f"bake and save; the import of its module, up to {seconds(longest)} s, is not counted."
+        "Blender is the Python module `bpy`, with Cycles on the CPU, selected to active. Its time is load, bake and "
+        f"save; the import of its module, up to {seconds(longest)} s, is not counted."
     )
 
 
@@ -44,26 +52,17 @@ def about_errors(accuracy):
     prose = (
         f"Angles between the normals of a map and those of the scan, at {accuracy['points']:,} random points of the "
         "low-poly mesh, measured with Embree rays along its interpolated normals. Of the points, "
-        f"{accuracy['missed']:,} hit no scan and are excluded. Taotie dithers 8-bit maps, which hides steps "
-        "under a moving light at the cost of some accuracy."
+        f"{accuracy['missed']:,} hit no scan and are excluded. Taotie dithers 8-bit maps where there would be "
+        "[bands](decisions/baking.md#dithered-normals), at the cost of some accuracy."
     )
     return [wrapped(prose), "", *errors(accuracy)]
 
 
-def text(machine, results, accuracy, lacks):
+def text(results, accuracy, lacks):
     """The section's Markdown."""
     prose = (
-        "`make bench-bake` bakes a carved vessel onto 2,048 triangles (`benches/bake/scene.py`), with both programs "
-        "in alternation. Median seconds, and the peak resident memory of the process. Taotie's time is that of the "
-        "whole process, `taotie bake … --no-verify`; the ratios are Blender's figures divided by Taotie's."
+        "A carved vessel is baked onto 2,048 triangles (`benches/bake/scene.py`). Median seconds, and the peak "
+        "resident memory of the process. Taotie's time is that of the whole process, `taotie bake … --no-verify`."
     )
-    about = wrapped(f"{prose} {about_blender(results, lacks)} Measured on: {machine}.")
-    lines = ["## Baking", "", about, ""]
-    lines += [*times(results), "", *about_errors(accuracy), "", "The commands:", "", "```sh"]
-    return "\n".join([*lines, *COMMANDS, "```"])
-
-
-COMMANDS = (
-    "make bench-bake                 # all jobs; writes this section",
-    "make bench-bake BENCH=--quick   # the jobs of 1 M triangles once; prints it",
-)
+    lines = ["## Baking", "", wrapped(f"{prose} {about_blender(results, lacks)}"), ""]
+    return "\n".join([*lines, *times(results), "", *about_errors(accuracy)])

@@ -22,6 +22,26 @@ def parser(about, target):
     return made
 
 
+def part_parser(about, folder):
+    """A parser with the options common to the parts of `make bench`."""
+    made = argparse.ArgumentParser(description=about)
+    made.add_argument("--folder", default=os.path.join(ROOT, "target", folder), help="working folder")
+    made.add_argument("--programs", default=PROGRAMS, help="folder of taotie and frames")
+    made.add_argument("--report", required=True, help="file for the report, JSON of rows.py")
+    made.add_argument("--quick", action="store_true", help="fewer and smaller measurements")
+    return made
+
+
+def part_arguments(made):
+    """The arguments of a part; exits with a parser error if they are invalid."""
+    args = made.parse_args()
+    if args.rounds is not None and args.rounds < 1:
+        made.error("--rounds: at least 1")
+    args.taotie = os.path.join(args.programs, "taotie")
+    check_program(made, args.taotie)
+    return args
+
+
 def models_parser(about, target):
     """`parser` with the options of benchmarks that make assets from third-party models."""
     made = parser(about, target)

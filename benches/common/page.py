@@ -4,6 +4,10 @@ import math
 import textwrap
 
 
+# Instead of a figure that was measured while other programs used the processor.
+BUSY = "busy"
+
+
 class Unmarked(Exception):
     """A page without the marks."""
 
@@ -27,8 +31,10 @@ def row(cells):
     return f"| {' | '.join(cells)} |"
 
 
-def table(head, rows):
-    return [row(head), "|---|" + "---:|" * (len(head) - 1), *map(row, rows)]
+def table(head, rows, texts=(0,)):
+    """The columns `texts` are aligned to the left, figures to the right."""
+    rule = "".join("---|" if column in texts else "---:|" for column in range(len(head)))
+    return [row(head), f"|{rule}", *map(row, rows)]
 
 
 def marks(target):

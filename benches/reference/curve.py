@@ -13,6 +13,16 @@ class Curve:
     def add(self, paths, seconds, rmse):
         self.taken.setdefault(paths, []).append((seconds, rmse))
 
+    def rounds(self):
+        """The curve of each round."""
+        curves = []
+        for number in range(min(map(len, self.taken.values()))):
+            curve = Curve()
+            for paths, points in self.taken.items():
+                curve.add(paths, *points[number])
+            curves.append(curve)
+        return curves
+
     def point(self, paths):
         """The median of the seconds, and the root of the mean square of the errors."""
         seconds, errors = zip(*self.taken[paths])

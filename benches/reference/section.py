@@ -1,23 +1,22 @@
 """The section of docs/benchmarks.md."""
 
-import numpy as np
-from page import seconds, table, two_digits, wrapped
+import statistics
 
-# Equal error is that of Taotie's images with these numbers of paths.
-EQUAL_TO = (64, 256)
+import equal
+import numpy as np
+from page import BUSY, seconds, table, two_digits, wrapped
+
 # Starts, which are subtracted, vary by this much.
 LEAST_SECONDS = 0.02
 
 
-def text(machine, args, results):
+def text(args, results):
     """The section's Markdown."""
-    about = ABOUT.format(side=args.side, threads=args.threads)
-    lines = ["## The reference", "", wrapped(f"{about} Measured on: {machine}; Mitsuba 3.9.1."), ""]
+    lines = ["## The reference", "", wrapped(ABOUT.format(side=args.side, threads=args.threads)), ""]
     for result in results:
         lines += [*by_paths(result), ""]
-    lines += [wrapped(ABOUT_EQUAL), "", *equal(results), "", wrapped(ABOUT_SLOPES), "", *slopes(results), ""]
-    lines += [wrapped(ABOUT_TRUTHS), "", *truths(results), "", "The commands:", "", "```sh", *COMMANDS, "```"]
-    return "\n".join(lines)
+    lines += [wrapped(ABOUT_EQUAL), "", *at_equal_error(results), "", wrapped(ABOUT_SLOPES), "", *slopes(results), ""]
+    return "\n".join([*lines, wrapped(ABOUT_TRUTHS), "", *truths(results)])
 
 
 def by_paths(result):
@@ -28,23 +27,29 @@ def by_paths(result):
         cells = []
         for program in result.programs:
             time, error = result.curves[program.name].point(paths)
-            cells += [show(time) if time > LEAST_SECONDS else "–", percent(error)]
+            shown = BUSY if result.watch.is_busy(program.name) else show(time) if time > LEAST_SECONDS else "–"
+            cells += [shown, percent(error)]
         rows.append([str(paths), *cells])
     titles = [cell for program in result.programs for cell in (f"{program.title}, s", "RMSE")]
     return table([f"{result.stage.scene.title}: paths", *titles], rows)
 
 
-def equal(results):
-    """Seconds to the same error, with the multiple of Taotie's."""
+def at_equal_error(results):
+    """Seconds to the same error, with the spread of the multiple of Taotie's."""
     rows = []
     for result in results:
-        for paths in EQUAL_TO:
+        for paths in equal.EQUAL_TO:
             own, error = result.curves["taotie"].point(paths)
-            others = [result.curves[program.name].seconds_to(error) for program in result.programs[1:]]
-            cells = [f"{show(other)} ({two_digits(other / own)})" for other in others]
-            rows.append([f"{result.stage.scene.name}, {paths} paths of Taotie's", percent(error), show(own), *cells])
+            its = equal.of_paths(result, paths)
+            title = f"{result.stage.scene.name}, {paths} paths of Taotie's"
+            shown = BUSY if result.watch.is_busy("taotie") else show(own)
+            rows.append([title, percent(error), shown, *map(equal_cell, its)])
     titles = [f"{program.title}, s" for program in results[0].programs]
     return table(["equal error", "RMSE", *titles], rows)
+
+
+def equal_cell(row):
+    return BUSY if row.is_busy() else f"{show(statistics.median(row.other))} ({row.spread_text()})"
 
 
 def slopes(results):
@@ -79,18 +84,16 @@ def percent(x):
 
 
 ABOUT = (
-    "`make bench-reference` renders three scenes with Taotie's path tracer (`--integrator reference`) and Mitsuba's "
-    "(`path`, "
-    "`multijitter`), from the same arrays (`benches/reference/scenes.py`), as images of {side}² "
-    "on {threads} threads, in alternation. Seconds are those of the paths only: without loading, building trees and "
-    "compiling, "
-    "and a dash where starts vary by as much. RMSE is in linear light against the program's own image with 16,384 "
-    "paths per pixel, relative to its mean."
+    "Three scenes by Taotie's path tracer (`--integrator reference`) and Mitsuba's (`path`, `multijitter`), from the "
+    "same arrays (`benches/reference/scenes.py`), as images of {side}² on {threads} threads. Seconds are those of the "
+    "paths only: without loading, building trees and compiling, and a dash where starts vary by as much. RMSE is in "
+    "linear light against the program's own image with 8,192 paths per pixel, relative to its mean."
 )
 
 ABOUT_EQUAL = (
     "Time to equal error: the time until a program's error equals that of Taotie's image with the stated paths, "
-    "interpolated between the logarithms above; in brackets the multiple of Taotie's. Above 1, Taotie is faster."
+    "interpolated between the logarithms above; in brackets the least and greatest multiple of Taotie's in a round. "
+    "Above 1, Taotie is faster."
 )
 
 ABOUT_SLOPES = (
@@ -99,15 +102,8 @@ ABOUT_SLOPES = (
 )
 
 ABOUT_TRUTHS = (
-    "Differences between Taotie's and Mitsuba's images with 16,384 paths, by pixels and by their means. Both should "
-    "compute "
-    "the same; the known differences are Smith's masking, which is one term for light and view in Taotie and a product "
-    "of "
-    "two in Mitsuba, and the height at which shadow rays begin. Starts are the times "
-    "not counted above: Taotie's tree of triangles, Mitsuba's compilation for a number of paths."
-)
-
-COMMANDS = (
-    "make bench-reference                       # everything, in a quarter of an hour at first; writes this section",
-    "make bench-reference BENCH='--scene metal' # one scene; prints it",
+    "Differences between Taotie's and Mitsuba's images with 8,192 paths, by pixels and by their means. Both should "
+    "compute the same; the known differences are Smith's masking, which is one term for light and view in Taotie and a "
+    "product of two in Mitsuba, and the height at which shadow rays begin. Starts are the times not counted above: "
+    "Taotie's tree of triangles, Mitsuba's compilation for a number of paths."
 )

@@ -1,4 +1,4 @@
-"""Renders one scene with Taotie and other renderers in turn, and reports time and memory: `make bench-render`."""
+"""The part `render` of `make bench`: one scene by Taotie and other renderers in turn, with time and memory."""
 
 import json
 import os
@@ -8,15 +8,15 @@ import sys
 
 import cases
 import command
-import machine
 import measure
-import page
+import quiet
 import section
+import summed
 import talk
 from cold import Cold
 from command import say
+from rows import Report
 
-TARGET = "bench-render"
 # Mesa on the CPU even if there is a GPU.
 SOFTWARE = {"LIBGL_ALWAYS_SOFTWARE": "1", "GALLIUM_DRIVER": "llvmpipe"}
 # The milliseconds of a participant's turn in a round, unless a single frame takes longer.
@@ -26,27 +26,16 @@ TOO_LONG = 2000
 
 
 def arguments():
-    parser = command.parser(__doc__, TARGET)
-    parser.add_argument("--programs", default=command.PROGRAMS, help="folder of taotie and frames")
+    parser = command.part_parser(__doc__, "bench-render")
     parser.add_argument("--rounds", type=int, default=3, help="turns per participant and case")
-    parser.add_argument("--cold-rounds", type=int, default=2, help="whole processes per kind; 0 for none")
-    parser.add_argument(
-        "--quick", action="store_true", help="Taotie and llvmpipe at 1024², warm; does not write the page"
-    )
-    parser.add_argument(
-        "--only", action="append", metavar="PEER", help="only these peers, or `none`; does not write the page"
-    )
-    parser.add_argument("--mesh", action="append", choices=cases.MESHES, help="only these; does not write the page")
-    parser.add_argument("--shading", action="append", choices=cases.SHADINGS, help="likewise")
+    parser.add_argument("--cold-rounds", type=int, default=3, help="whole processes per kind; 0 for none")
+    parser.add_argument("--peer", action="append", help="only these peers, or `none`")
+    parser.add_argument("--mesh", action="append", choices=cases.MESHES, help="only these")
+    parser.add_argument("--shading", action="append", choices=cases.SHADINGS, help="only these")
     parser.add_argument("--plain", action="store_true", help="also Taotie without the features that peers lack")
     parser.add_argument("--also", metavar="FOLDER", help="also Taotie's programs in this folder, to compare builds")
     parser.add_argument("--json", help="file for all times")
-    args = parser.parse_args()
-    if args.rounds < 1:
-        parser.error("--rounds: at least 1")
-    if not os.access(os.path.join(args.programs, "taotie"), os.X_OK):
-        parser.error(f"{args.programs} does not contain taotie; `make bench-render` builds it")
-    return args
+    return command.part_arguments(parser)
 
 
 def participants(args):
@@ -55,7 +44,7 @@ def participants(args):
         some.append(cases.taotie(args.programs, "taotie-plain", "Taotie, plain", ["--plain"]))
     if args.also:
         some.append(cases.taotie(args.also, "taotie-also", "Taotie, the other build"))
-    names = args.only or (["llvmpipe"] if args.quick else None)
+    names = args.peer or (["llvmpipe"] if args.quick else None)
     return some + [peer for peer in cases.peers(args.folder) if names is None or peer.name in names]
 
 
@@ -64,12 +53,13 @@ class Run:
 
     def __init__(self, args, some):
         self.args, self.some = args, some
-        self.meshes = args.mesh or list(cases.MESHES)
+        self.meshes = args.mesh or list(cases.MESHES)[: 2 if args.quick else None]
         self.scene = os.path.join(args.folder, "scene")
         self.pictures = os.path.join(args.folder, "pictures")
         self.out = {}  # by shading and name, why it no longer takes part
         self.slow = {}  # by shading and name, why it is not run with more triangles
-        self.times = {}  # milliseconds by (mesh, shading, size) and name
+        self.times = {}  # milliseconds of each turn by (mesh, shading, size) and name
+        self.watches = {}  # the load of other programs by (mesh, shading, size)
         self.mib = {}  # peak at the first size, by (mesh, shading) and name
         self.about = {}
         self.cold = Cold(self.scene, self.pictures, 0 if args.quick else args.cold_rounds, say)
@@ -91,7 +81,11 @@ class Run:
         sessions = {}
         for size in cases.SIZES[:1] if self.args.quick else cases.SIZES:
             case = (mesh, shading, size)
-            self.turns(sessions, case, [one for one in self.some if self.takes_part(one, mesh, shading)])
+            some = [one for one in self.some if self.takes_part(one, case)]
+            frames = self.probed(sessions, case, some)
+            self.times[case], self.watches[case] = quiet.undisturbed(
+                lambda watch: self.turns(sessions, case, frames, watch)
+            )
             self.report(case)
             for one in self.some:
                 if one.one_size and one.name in sessions:
@@ -99,11 +93,14 @@ class Run:
         for session in sessions.values():
             session.close()
 
-    def takes_part(self, one, mesh, shading):
+    def takes_part(self, one, case):
+        mesh, shading, size = case
         slow, _ = self.slow.get((shading, one.name), (mesh, ""))
-        return shading in one.shadings and (shading, one.name) not in self.out and slow == mesh
+        fits = shading in one.shadings and size in one.sizes
+        return fits and (shading, one.name) not in self.out and slow == mesh
 
-    def turns(self, sessions, case, some):
+    def probed(self, sessions, case, some):
+        """The number of frames per turn of each participant that answers, after an image for the comparison."""
         mesh, shading, size = case
         frames = {}
         for one in some:
@@ -111,13 +108,21 @@ class Run:
             probe = self.ask(sessions, one, case, 1, png)
             if probe:
                 frames[one] = max(1, min(15, round(TURN / probe["ms"][0])))
-        for number in range(self.args.rounds):
-            for one in list(frames):
-                if number and statistics.median(self.times.get(case, {}).get(one.name, [0])) > TOO_LONG:
+        return frames
+
+    def turns(self, sessions, case, frames, watch):
+        """The milliseconds of each turn by name; the participants alternate."""
+        times = {}
+        for _ in range(self.args.rounds):
+            for one in frames:
+                turns = times.setdefault(one.name, [])
+                if turns and statistics.median(turns[0]) > TOO_LONG:
                     continue
-                answer = self.ask(sessions, one, case, frames[one])
+                with watch.turn(one.name):
+                    answer = self.ask(sessions, one, case, frames[one])
                 if answer:
-                    self.times.setdefault(case, {}).setdefault(one.name, []).extend(answer["ms"])
+                    turns.append(answer["ms"])
+        return {name: turns for name, turns in times.items() if turns}
 
     def ask(self, sessions, one, case, frames, png=None):
         """An answer; a participant that gives none is excluded from then on."""
@@ -140,9 +145,9 @@ class Run:
 
     def report(self, case):
         mesh, shading, size = case
-        for name, times in self.times.get(case, {}).items():
-            median = statistics.median(times)
-            say(f"{mesh:5} {shading:14} {size[0]}×{size[1]} {name:12} {median:9.2f} ms (least {min(times):.2f})")
+        for name, turns in self.times[case].items():
+            median, least = statistics.median(sum(turns, [])), min(map(min, turns))
+            say(f"{mesh:5} {shading:14} {size[0]}×{size[1]} {name:12} {median:9.2f} ms (least {least:.2f})")
             if median > TOO_LONG and name != "taotie" and mesh != self.meshes[-1]:
                 why = f"it takes {median / 1000:.1f} s per frame of {cases.MESHES[mesh]} triangles"
                 self.slow.setdefault((shading, name), (mesh, why))
@@ -156,21 +161,19 @@ def compared(run):
 
 def main():
     args = arguments()
-    whole = not (args.quick or args.only or args.mesh or args.shading)
-    if whole:
-        page.around(args.page, TARGET)  # fails now rather than after minutes
     os.environ |= SOFTWARE
     run = Run(args, participants(args))
     made = [sys.executable, os.path.join(cases.HERE, "scene.py"), run.scene]
     measure.run(made + run.meshes)
     run.all()
-    text = section.text(machine.described(os.path.join(args.programs, "taotie")), run, compared(run))
-    print(text)
     if args.json:
         with open(args.json, "w", encoding="utf-8") as file:
             json.dump({" ".join(map(str, case)): times for case, times in run.times.items()}, file)
-    if whole:
-        page.write(args.page, TARGET, text)
+    watches = [*run.watches.values(), *run.cold.watches.values()]
+    busy = sum(watch.most() > quiet.LIMIT for watch in watches)
+    versions = {one.title: run.about[one.name] for one in run.some if run.about.get(one.name)}
+    rows = summed.rows(run)
+    Report(rows, versions, section.text(run, compared(run)), busy, len(watches)).save(args.report)
 
 
 if __name__ == "__main__":

@@ -32,6 +32,8 @@ class Participant:
     # How its image differs; stated below the tables.
     note: str = ""
     environment: dict = dataclasses.field(default_factory=dict)
+    # The sizes of its frames: for peers that come nearest to Taotie, all.
+    sizes: tuple = SIZES[:1]
     # Whether its process can only render images of one size.
     one_size: bool = False
     # Returns the command to run before anything else, given the folder and a mesh.
@@ -59,7 +61,7 @@ def taotie(programs, name="taotie", title="Taotie", more=()):
         command += ["--shading", shading, "--tone", "linear", *light(folder, shading, "--env")]
         return command
 
-    return Participant(name, title, SHADINGS, talks, cold, first=first)
+    return Participant(name, title, SHADINGS, talks, cold, first=first, sizes=SIZES)
 
 
 def script(command, name, title, shadings, more=(), **rest):
@@ -89,8 +91,8 @@ def peers(folder):
         note="its memory while rendering frames is that of all processes of the browser",
     )
     return [
-        python("llvmpipe.py", "llvmpipe", "llvmpipe, own shaders", SHADINGS),
-        python("lavapipe.py", "lavapipe", "wgpu, lavapipe, own shaders", ("ggx",)),
+        python("llvmpipe.py", "llvmpipe", "llvmpipe, own shaders", SHADINGS, sizes=SIZES),
+        python("lavapipe.py", "lavapipe", "wgpu, lavapipe, own shaders", ("ggx",), sizes=SIZES),
         python("vtk_pbr.py", "vtk", "VTK", ("ggx",)),
         python(
             "pyrender_osmesa.py",

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Creates the environment of `make bench-render`: install.sh PYTHON FOLDER. The peer that counts, llvmpipe, must install;
+# Creates the environment of the part `render` of `make bench`: install.sh PYTHON FOLDER. The peer that counts, llvmpipe, must install;
 # others that fail to install are reported and skipped. System packages are not installed; in Debian, these are
 # libegl1 libegl-mesa0 libgl1 libgl1-mesa-dri (llvmpipe, VTK, F3D), mesa-vulkan-drivers libvulkan1 (wgpu, Open3D),
 # libosmesa6 (pyrender), libllvm19 (Mitsuba), chromium nodejs npm (three.js).

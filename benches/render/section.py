@@ -3,20 +3,21 @@
 import statistics
 
 import cases
+import summed
 from cold import FRESH, KEPT
-from page import seconds, table, two_digits, wrapped
+from page import BUSY, seconds, table, two_digits, wrapped
 
 
-def text(machine, run, differences):
+def text(run, differences):
     """The section's Markdown."""
-    lines = ["## Rendering", "", wrapped(f"{ABOUT} Measured on: {machine}. {versions(run)}"), ""]
+    lines = ["## Rendering", "", wrapped(ABOUT), ""]
     for size in cases.SIZES:
         for shading in cases.SHADINGS:
             lines += warm(run, shading, size)
     lines += [wrapped(apart(differences)), ""] if differences else []
     lines += [*cold(run), *memory(run)]
-    lines += [wrapped(notes(run)), ""] if notes(run) else []
-    return "\n".join([*lines, "The commands:", "", "```sh", *COMMANDS, "```"])
+    lines += [wrapped(notes(run))] if notes(run) else []
+    return "\n".join(lines).rstrip()
 
 
 def milliseconds(x):
@@ -30,41 +31,59 @@ def compared(own, first, show):
     return show(own) if first is None or own is first else f"{show(own)} ({two_digits(own / first)})"
 
 
+def cell(row, show):
+    """A peer's figure, and the spread of its multiple of Taotie's; `row` of the summary, if there is one."""
+    if row is None:
+        return "–"
+    return BUSY if row.is_busy() else f"{show(statistics.median(row.other))} ({row.spread_text()})"
+
+
 def warm(run, shading, size):
     """Milliseconds per frame of each participant and mesh."""
-    medians = {
-        mesh: {name: statistics.median(times) for name, times in run.times[mesh, shading, size].items()}
-        for mesh in cases.MESHES
-        if (mesh, shading, size) in run.times
-    }
-    some = [one for one in run.some if any(one.name in row for row in medians.values())]
+    some = [case for case in run.times if case[1:] == (shading, size)]
     if not some:
         return []
-    rows = [
-        [one.title, *(compared(row.get(one.name), row.get("taotie"), milliseconds) for row in medians.values())]
-        for one in some
-    ]
-    head = [f"`{shading}`, {size[0]}×{size[1]}, ms", *(f"{cases.MESHES[mesh]} triangles" for mesh in medians)]
+    rows = [["Taotie", *(own_frames(run, case) for case in some)]]
+    peers = [one for one in run.some if one.name != "taotie" and any(one.name in run.times[case] for case in some)]
+    found = [summed.of_case(run, peers, case) for case in some]
+    rows += [[one.title, *(cell(its.get(one.name), milliseconds) for its in found)] for one in peers]
+    head = [f"`{shading}`, {size[0]}×{size[1]}, ms", *(f"{cases.MESHES[case[0]]} triangles" for case in some)]
     return [*table(head, rows), ""]
+
+
+def own_frames(run, case):
+    """Taotie's milliseconds."""
+    turns = run.times[case].get("taotie")
+    if run.watches[case].is_busy("taotie"):
+        return BUSY
+    return milliseconds(statistics.median(map(statistics.median, turns))) if turns else "–"
 
 
 def cold(run):
     """Seconds of whole processes, and their memory."""
     lines = []
     for shading in cases.SHADINGS:
-        rows = []
-        for one in run.some:
-            found = [run.cold.median(shading, one.name, kind) for kind in (FRESH, KEPT)]
-            if any(found):
-                own = [run.cold.median(shading, "taotie", kind) for kind in (FRESH, KEPT)]
-                first = [None, None] if one.name == "taotie" else own
-                cells = [compared(f and f[0], t and t[0], seconds) for f, t in zip(found, first)]
-                most = max(f[1] for f in found if f)
-                rows.append([one.title, *cells, f"{most:.0f}"])
-        if rows:
-            head = [f"`{shading}`, process to PNG", "caches fresh, s", "caches kept, s", "largest process, MiB"]
-            lines += [*table(head, rows), ""]
+        kinds = [kind for kind in (FRESH, KEPT) if (shading, kind) in run.cold.watches]
+        peers = [one for one in run.some if one.name != "taotie" and run.cold.mib(shading, one.name)]
+        if not kinds:
+            continue
+        found = [summed.of_processes(run, peers, shading, kind) for kind in kinds]
+        own = [own_process(run, shading, kind) for kind in kinds]
+        rows = [["Taotie", *own, f"{run.cold.mib(shading, 'taotie'):.0f}"]]
+        for one in peers:
+            mib = f"{run.cold.mib(shading, one.name):.0f}"
+            rows.append([one.title, *(cell(its.get(one.name), seconds) for its in found), mib])
+        head = [f"`{shading}`, process to PNG", *(f"caches {kind}, s" for kind in kinds), "largest process, MiB"]
+        lines += [*table(head, rows), ""]
     return [wrapped(ABOUT_COLD), "", *lines] if lines else []
+
+
+def own_process(run, shading, kind):
+    """Taotie's seconds."""
+    times = run.cold.seconds(shading, "taotie", kind)
+    if run.cold.watches[shading, kind].is_busy("taotie"):
+        return BUSY
+    return seconds(statistics.median(times)) if times else "–"
 
 
 def memory(run):
@@ -110,11 +129,6 @@ def apart(differences):
     )
 
 
-def versions(run):
-    parts = [f"{one.title}: {run.about[one.name]}" for one in run.some if run.about.get(one.name)]
-    return f"{'; '.join(parts)}." if parts else ""
-
-
 def notes(run):
     """The differences of peers, and the reasons for dashes."""
     parts = [f"{one.title}: {one.note}." for one in run.some if one.note and run.about.get(one.name)]
@@ -128,12 +142,10 @@ def notes(run):
 
 
 ABOUT = (
-    "`make bench-render` renders a carved bronze vessel with maps of 2048² with each program in turn "
-    "(`benches/render/scene.py`): `cook-torrance` with colours, normals and one light, `ggx` with occlusion, roughness "
-    "and metalness too, and under an environment. Each frame rotates the object, draws it at one sample per pixel "
-    "with trilinear filtering, and "
-    "ends with all pixels as 8-bit sRGB in memory. Medians over the rounds; in brackets the multiple of Taotie's. "
-    "The goal for llvmpipe at 1024×1024: 2 at 2,048 triangles, 3 from 199,680 upwards."
+    "A carved bronze vessel with maps of 2048² (`benches/render/scene.py`): `cook-torrance` with colours, normals and "
+    "one light, `ggx` with occlusion, roughness and metalness too, and under an environment. Each frame rotates the "
+    "object, draws it at one sample per pixel with trilinear filtering, and ends with all pixels as 8-bit sRGB in "
+    "memory. Medians over the rounds; in brackets the least and greatest multiple of Taotie's in a round."
 )
 
 ABOUT_COLD = (
@@ -144,12 +156,6 @@ ABOUT_COLD = (
 
 ABOUT_MEMORY = (
     "Peak memory of the processes that render frames of 1024×1024, including loading; Taotie, llvmpipe and lavapipe "
-    "read "
-    "the filtered environment from a file. The last row is the minimum: the decoded maps without smaller "
-    "levels, the arrays of the mesh, 40 bytes per pixel; in brackets Taotie's multiple of it."
-)
-
-COMMANDS = (
-    "make bench-render                 # everything, in about ten minutes; writes this section",
-    "make bench-render BENCH=--quick   # Taotie and llvmpipe at 1024²; prints it",
+    "read the filtered environment from a file. The last row is the minimum: the decoded maps without smaller levels, "
+    "the arrays of the mesh, 40 bytes per pixel; in brackets Taotie's multiple of it."
 )

@@ -1,22 +1,22 @@
-"""The frame time of Taotie along axes of triangles, pixels, lights, textures and threads: `make bench-scaling`."""
+"""The part `scaling` of `make bench`: frame times of Taotie over triangles, pixels, lights, textures and threads."""
 
 import os
 import shutil
+import statistics
 import sys
 
 import axes
 import command
-import machine
 import measure
 import measured
-import page
+import quiet
 import results
 import section
 import talk
 from command import say
 from results import Record
+from rows import Report
 
-TARGET = "bench-scaling"
 HERE = os.path.dirname(os.path.abspath(__file__))
 # The milliseconds of a case's turn in a round, unless a single frame takes longer; and the maximum number of frames.
 TURN, MOST_FRAMES = 500, 15
@@ -29,17 +29,11 @@ LARGEST_PICTURE = 2048
 
 
 def arguments():
-    parser = command.parser(__doc__, TARGET)
-    parser.add_argument("--programs", default=command.PROGRAMS, help="folder of taotie and frames")
+    parser = command.part_parser(__doc__, "bench-scaling")
     parser.add_argument("--rounds", type=int, default=3, help="turns per case")
-    parser.add_argument("--quick", action="store_true", help="the ends of each axis; does not write the page")
     known = axes.axes()
-    parser.add_argument("--axis", action="append", choices=known, help="only this axis; does not write the page")
-    args = parser.parse_args()
-    if args.rounds < 1:
-        parser.error("--rounds: at least 1")
-    if not os.access(measured.frames(args.programs), os.X_OK):
-        parser.error(f"{args.programs} does not contain frames; `make bench-scaling` builds it")
+    parser.add_argument("--axis", action="append", choices=known, help="only this axis")
+    args = command.part_arguments(parser)
     args.axes = [axis.quick() if args.quick else axis for axis in known.values() if axis.name in (args.axis or known)]
     return args
 
@@ -79,16 +73,24 @@ class Run:
         sessions = {}
         try:
             some = [self.first(sessions, axis, point, shading) for point in axis.points for shading in point.shadings]
-            for number in range(self.args.rounds):
-                for record, case in some:
-                    if not record.why and (number == 0 or record.median <= TOO_LONG):
-                        count = max(1, min(MOST_FRAMES, round(TURN / record.ms[0])))
-                        self.ask(sessions, record, case, count)
+            _, watch = quiet.undisturbed(lambda watch: self.turns(sessions, some, watch))
         finally:
             for session in sessions.values():
                 session.close()
         for record, _ in some:
+            record.load = watch.share(id(record))
             report(record)
+
+    def turns(self, sessions, some, watch):
+        """The turns of all cases, which replace earlier ones."""
+        for record, _ in some:
+            record.ms = []
+        for number in range(self.args.rounds):
+            for record, case in some:
+                if not record.why and (number == 0 or statistics.median(record.ms) <= TOO_LONG):
+                    count = max(1, min(MOST_FRAMES, round(TURN / record.first)))
+                    with watch.turn(id(record)):
+                        self.ask(sessions, record, case, count)
 
     def first(self, sessions, axis, point, shading):
         """A case with its record, which contains the time of one frame."""
@@ -96,6 +98,7 @@ class Run:
         record = Record(axis.name, point.line, shading, point.amount, point.label, case.side**2)
         self.records.append(record)
         self.ask(sessions, record, case, 1, self.picture(axis, case, shading))
+        record.first = record.ms[0] if record.ms else 0.0
         return record, case
 
     def picture(self, axis, case, shading):
@@ -129,9 +132,10 @@ class Run:
 
 
 def report(record):
-    if record.median is not None:
+    if record.ms:
         what = f"{record.axis:9} {record.line:15} {record.label:>6} {record.shading:14}"
-        say(f"{what} {record.median:9.2f} ms (least {min(record.ms):.2f}, of {len(record.ms)}) {record.mib:6.0f} MiB")
+        median = statistics.median(record.ms)
+        say(f"{what} {median:9.2f} ms (least {min(record.ms):.2f}, of {len(record.ms)}) {record.mib:6.0f} MiB")
 
 
 def plot(folder, records, to):
@@ -143,18 +147,12 @@ def plot(folder, records, to):
 
 def main():
     args = arguments()
-    whole = not (args.quick or args.axis)
-    if whole:
-        page.around(args.page, TARGET)  # fails now rather than after minutes
     run = Run(args)
     make(run.scene, args.axes)
     run.all()
-    text = section.text(machine.described(os.path.join(args.programs, "taotie")), run.records, args.axes)
-    print(text)
-    base = os.path.dirname(args.page) if whole else args.folder
-    plot(args.folder, run.records, os.path.join(base, section.PLOT))
-    if whole:
-        page.write(args.page, TARGET, text)
+    plot(args.folder, run.records, os.path.splitext(args.report)[0] + ".svg")
+    busy = sum(record.is_busy() for record in run.records)
+    Report([], {}, section.text(run.records, args.axes), busy, len(run.records)).save(args.report)
 
 
 if __name__ == "__main__":

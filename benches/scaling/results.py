@@ -4,6 +4,8 @@ import dataclasses
 import json
 import statistics
 
+import quiet
+
 
 @dataclasses.dataclass
 class Record:
@@ -20,11 +22,18 @@ class Record:
     why: str = ""
     coverage: float = 0.0
     mib: float = 0.0
+    # The milliseconds of a frame before the timed ones.
+    first: float = 0.0
+    # The part of the processor that other programs used during its frames.
+    load: float = 0.0
+
+    def is_busy(self):
+        return self.load > quiet.LIMIT
 
     @property
     def median(self):
-        """The median of the frames' milliseconds; None if it failed."""
-        return statistics.median(self.ms) if self.ms and not self.why else None
+        """The median of the frames' milliseconds; None if it failed or was disturbed."""
+        return statistics.median(self.ms) if self.ms and not self.why and not self.is_busy() else None
 
 
 def lines(records, axis):

@@ -6,13 +6,12 @@ from page import table, two_digits, wrapped
 PLOT = "images/scaling.svg"
 
 
-def text(machine, records, axes):
+def text(records, axes):
     """The section's Markdown."""
-    lines = ["## Scaling", "", wrapped(f"{ABOUT} Measured on: {machine}."), "", f"![{ALT}]({PLOT})", ""]
+    lines = ["## Scaling", "", wrapped(ABOUT), "", f"![{ALT}]({PLOT})", ""]
     for axis in axes:
         lines += [*along(axis, results.lines(records, axis.name)), ""]
-    lines += notes(records)
-    return "\n".join([*lines, "The commands:", "", "```sh", *COMMANDS, "```"])
+    return "\n".join([*lines, *notes(records)]).rstrip()
 
 
 def along(axis, lines):
@@ -71,7 +70,9 @@ def signed(x):
 def notes(records):
     """The reasons for dashes."""
     sentences = [f"No figure of {r.label} {r.axis} ({named(r.shading, r.line)}): {r.why}." for r in records if r.why]
-    return [wrapped(" ".join(sentences)), ""] if sentences else []
+    if any(record.is_busy() for record in records):
+        sentences.append("Other dashes were measured while other programs used the processor.")
+    return [wrapped(" ".join(sentences))] if sentences else []
 
 
 # By axis: the meaning of a step, and how it is counted.
@@ -85,17 +86,10 @@ STEPS = {
 ALT = "Milliseconds per frame over triangles, pixels, lights, texels and threads"
 
 ABOUT = (
-    "`make bench-scaling` changes one thing at a time in the scene of `make bench-render`: 199,680 triangles, "
-    "1024² pixels, one light, maps of 2048², all threads (`benches/scaling/axes.py`). More lights are points on a ring "
-    "around it that share the intensity of one; maps of other sizes show the same. Images of 64² have almost no "
-    "pixels to shade: they show the cost of the triangles only. Each frame rotates the object, draws it at one sample "
-    "per "
-    "pixel and ends with all pixels as 8-bit sRGB in memory; `ggx` is under an environment too. "
-    "Medians of the frames of all rounds; all points of an axis alternate."
-)
-
-COMMANDS = (
-    "make bench-scaling                          # all axes, in about five minutes; writes this section and its plot",
-    "make bench-scaling BENCH=--quick            # the ends of each axis; prints it",
-    "make bench-scaling BENCH='--axis triangles' # one axis; prints it",
+    "One thing at a time changes in the scene of [Rendering](#rendering): 199,680 triangles, 1024² pixels, one light, "
+    "maps of 2048², all threads (`benches/scaling/axes.py`). More lights are points on a ring around it that share the "
+    "intensity of one; maps of other sizes show the same. Images of 64² have almost no pixels to shade: they show the "
+    "cost of the triangles only. Each frame rotates the object, draws it at one sample per pixel and ends with all "
+    "pixels as 8-bit sRGB in memory; `ggx` is under an environment too. Medians of the frames of all rounds; all "
+    "points of an axis alternate."
 )

@@ -1,5 +1,5 @@
-//! The Python package as cargo built it: the tests in `python/tests`, except for slow ones, and in `tests/dist`, and
-//! its types.
+//! The Python package as cargo built it: the tests in `python/tests`, except for slow ones, in `tests/dist` and
+//! `tests/benches`, and its types.
 #![allow(clippy::print_stdout, reason = "tests print their findings")]
 
 #[allow(dead_code)]
@@ -87,6 +87,14 @@ fn its_tests_pass() {
 fn what_surrounds_a_release_works() {
     if let Some(package) = Package::find("python-release") {
         package.run(&["pytest", "-p", "no:cacheprovider", "--durations=8", "tests/dist"]);
+    }
+}
+
+/// How `make bench` decides, and the page it writes. The package is not used.
+#[test]
+fn benchmarks_draw_the_right_conclusions() {
+    if let Some(package) = Package::find("python-benches") {
+        package.run(&["pytest", "-p", "no:cacheprovider", "tests/benches"]);
     }
 }
 

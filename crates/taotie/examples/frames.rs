@@ -1,4 +1,4 @@
-//! Milliseconds per frame of a rotating model: Taotie's part in `make bench-render`.
+//! Milliseconds per frame of a rotating model: Taotie's part in `make bench`.
 //!
 //! ```text
 //! cargo run --release -p taotie --example frames -- model.glb --environment room.hdr --frames 20
