@@ -7,7 +7,7 @@ use crate::math::{Vec3, scalar};
 use crate::mesh::{Mesh, Point};
 use crate::parallel;
 use crate::surface::{Bends, facet_normal};
-use crate::trace::{Bvh, distance_to_triangle};
+use crate::trace::{Bvh, farthest_distance};
 use std::fmt;
 use std::sync::Arc;
 
@@ -154,7 +154,8 @@ impl FlatFaces {
     fn distance_to_border(&self, face: u32, point: Vec3, most: f32) -> f32 {
         let own = self.borders.of(face as usize);
         if own.len() <= FEW {
-            let distances = own.iter().map(|border| distance_to_triangle(as_triangle(*border), point));
+            let level = self.many.level();
+            let distances = own.iter().map(|border| farthest_distance(level, as_triangle(*border), &[point]));
             return distances.fold(f32::INFINITY, f32::min);
         }
         let is_own = |border: u32| self.of_many[border as usize] == face;

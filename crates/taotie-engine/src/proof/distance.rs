@@ -6,7 +6,8 @@ use crate::bake::Scan;
 use crate::math::Vec3;
 use crate::mesh::{Mesh, Point, blend};
 use crate::parallel;
-use crate::trace::distance_to_triangle;
+use crate::trace::farthest_distance;
+use fearless_simd::Level;
 
 /// If less of a surface is hidden than this, visibility is not searched: noise and folds hide as much.
 const HARDLY_HIDDEN: f64 = 1e-3;
@@ -248,7 +249,7 @@ impl Search<'_> {
             let Some(closest) = self.to.bvh().closest(middle, reach) else { return };
             let radius = places.into_iter().map(|place| (place - middle).length()).fold(0.0, f32::max);
             let triangle = self.to.mesh().corners(closest.triangle as usize);
-            let from_one = farthest(places, triangle, f32::INFINITY);
+            let from_one = farthest_distance(self.to.bvh().level(), triangle, &places);
             piece.middle = closest.distance;
             piece.most = (closest.distance + radius).min(from_one).max(closest.distance);
         });
@@ -295,6 +296,7 @@ struct Near {
     middles: Vec<[[f32; LANES]; 3]>,
     /// A distance small enough not to need further refinement.
     enough: f32,
+    level: Level,
 }
 
 /// Number of centroids compared in parallel.
@@ -320,7 +322,7 @@ impl Near {
                 middles[i / LANES][axis][i % LANES] = v;
             }
         }
-        Some(Self { triangles, middles, enough })
+        Some(Self { triangles, middles, enough, level: search.to.bvh().level() })
     }
 
     /// Bounds the distances of a triangle's points by one of the triangles: the first that is near enough, else the
@@ -331,7 +333,7 @@ impl Near {
             if least <= self.enough {
                 break;
             }
-            least = farthest(places, *triangle, least);
+            least = least.min(farthest_distance(self.level, *triangle, &places));
         }
         least
     }
@@ -339,7 +341,7 @@ impl Near {
     /// Bounds them by the triangle with the closest centroid.
     fn quick_bound(&self, places: [Vec3; 3]) -> f32 {
         let middle = (places[0] + places[1] + places[2]) * (1.0 / 3.0);
-        farthest(places, self.triangles[self.closest_middle(middle)], f32::INFINITY)
+        farthest_distance(self.level, self.triangles[self.closest_middle(middle)], &places)
     }
 
     /// Returns the triangle whose centroid is closest to a point, the first in a tie.
@@ -358,16 +360,4 @@ impl Near {
         let best = (0..LANES).min_by(|a, b| least[*a].total_cmp(&least[*b]).then(index(*a).cmp(&index(*b))));
         best.map_or(0, index).min(self.triangles.len() - 1)
     }
-}
-
-/// Returns the largest distance of three points from a triangle, capped at `least`.
-fn farthest(points: [Vec3; 3], triangle: [Vec3; 3], least: f32) -> f32 {
-    let mut most = 0f32;
-    for point in points {
-        most = most.max(distance_to_triangle(triangle, point));
-        if most >= least {
-            return least;
-        }
-    }
-    most
 }

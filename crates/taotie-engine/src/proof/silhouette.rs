@@ -121,18 +121,46 @@ impl Sweep for Drawing<'_> {
 
     fn take(&mut self, triangles: &[u32], corners: &EightTriangles) {
         // Eight in parallel: absent ones are NaN.
-        let mut places = [[[0.0; 2]; 3]; LANES];
-        for (corner, [x, y, z]) in corners.iter().enumerate() {
-            let all: [[f32; 2]; LANES] = std::array::from_fn(|i| self.place(Vec3::new(x[i], y[i], z[i])));
-            places.iter_mut().zip(all).for_each(|(places, place)| places[corner] = place);
+        let mut places = [[[0.0; LANES]; 2]; 3];
+        for (place, [x, y, z]) in places.iter_mut().zip(corners) {
+            for i in 0..LANES {
+                let [across, down] = self.place(Vec3::new(x[i], y[i], z[i]));
+                (place[0][i], place[1][i]) = (across, down);
+            }
         }
-        for (places, triangle) in places.into_iter().zip(triangles) {
+        let [[columns, rows], [last_columns, last_rows]] = pixel_boxes(&places);
+        // Most triangles of a scan contain no centre of a pixel.
+        let mut some = 0u32;
+        for i in 0..LANES {
+            some |= u32::from((columns[i] <= last_columns[i]) & (rows[i] <= last_rows[i])) << i;
+        }
+        while some != 0 {
+            let i = some.trailing_zeros() as usize;
+            some &= some - 1;
+            let Some(triangle) = triangles.get(i) else { break };
+            let corners = places.each_ref().map(|[x, y]| [x[i], y[i]]);
             let is_double = || self.shape.is_double_sided.get(*triangle as usize) == Some(&true);
-            if faces_viewer(places) || is_double() {
-                self.mask.cover(places);
+            if faces_viewer(corners) || is_double() {
+                let pixels = [columns[i], last_columns[i], rows[i], last_rows[i]];
+                self.mask.cover(corners, pixels.map(|v| v as usize));
             }
         }
     }
+}
+
+/// Returns the first and the last columns and rows of the pixels whose centres are in the boxes around triangles:
+/// `[[columns, rows], [last columns, last rows]]`.
+#[inline(always)]
+fn pixel_boxes([a, b, c]: &[[[f32; LANES]; 2]; 3]) -> [[[f32; LANES]; 2]; 2] {
+    let mut boxes = [[[0.0; LANES]; 2]; 2];
+    for axis in 0..2 {
+        for i in 0..LANES {
+            let [a, b, c] = [a[axis][i], b[axis][i], c[axis][i]];
+            let [first, last] = pixels([a.min(b).min(c), a.max(b).max(c)]);
+            (boxes[0][axis][i], boxes[1][axis][i]) = (first, last);
+        }
+    }
+    boxes
 }
 
 /// Number of triangles placed in one batch.
@@ -149,11 +177,8 @@ impl Mask {
         drawing.mask
     }
 
-    /// Covers the pixels whose centres, at integers, are inside a triangle or on its border.
-    fn cover(&mut self, corners: [[f32; 2]; 3]) {
-        let [a, b, c] = corners;
-        let range = |k: usize| [a[k].min(b[k]).min(c[k]), a[k].max(b[k]).max(c[k])];
-        let (Some([left, right]), Some([top, bottom])) = (whole(range(0)), whole(range(1))) else { return };
+    /// Covers the pixels of a box whose centres, at integers, are inside a triangle or on its border.
+    fn cover(&mut self, corners: [[f32; 2]; 3], [left, right, top, bottom]: [usize; 4]) {
         if self.rows[top..=bottom].iter().all(|row| is_set(row, left, right)) {
             return;
         }
@@ -209,16 +234,21 @@ fn faces_viewer([a, b, c]: [[f32; 2]; 3]) -> bool {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) >= 0.0
 }
 
-/// Returns the first and the last integer of a range that are pixels; `None` if there are none. Most triangles of a
-/// scan have none: conversions decide that faster than rounding.
-fn whole([from, to]: [f32; 2]) -> Option<[usize; 2]> {
-    if !(to >= 0.0 && from <= SIDE as f32 - 1.0) {
-        return None;
-    }
+/// Returns the first and the last integer of a range that are pixels; `None` if there are none.
+fn whole(range: [f32; 2]) -> Option<[usize; 2]> {
+    let [first, last] = pixels(range);
+    (first <= last).then_some([first as usize, last as usize])
+}
+
+/// Returns the first and the last integer of a range that are pixels; if there are none, the last is less than the
+/// first. Without branches, and with conversions, which are faster than rounding.
+#[inline(always)]
+fn pixels([from, to]: [f32; 2]) -> [f32; 2] {
     let from = from.max(0.0);
-    let first = from as usize + usize::from((from as usize as f32) < from);
-    let last = (to as usize).min(SIDE - 1);
-    (first <= last).then_some([first, last])
+    let below = from as i32 as f32;
+    let first = if below < from { below + 1.0 } else { below };
+    let last = to.min(SIDE as f32 - 1.0) as i32 as f32;
+    [first, if to >= 0.0 { last } else { -1.0 }]
 }
 
 /// Returns where a row enters and leaves a triangle; nothing if it does not intersect it.
@@ -311,7 +341,15 @@ mod tests {
 
     fn masked(triangles: &[[[f32; 2]; 3]]) -> Mask {
         let mut mask = Mask { rows: vec![[0; WORDS]; SIDE] };
-        triangles.iter().for_each(|triangle| mask.cover(*triangle));
+        for triangle in triangles {
+            let range = |k: usize| {
+                let [a, b, c] = triangle.map(|corner| corner[k]);
+                whole([a.min(b).min(c), a.max(b).max(c)])
+            };
+            if let (Some([left, right]), Some([top, bottom])) = (range(0), range(1)) {
+                mask.cover(*triangle, [left, right, top, bottom]);
+            }
+        }
         mask
     }
 

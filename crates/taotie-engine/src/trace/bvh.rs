@@ -1,7 +1,7 @@
 //! A bounding volume hierarchy over triangles: the hits of single rays, the closest points, and its boxes as a list.
 
 use super::Ray;
-use super::nearby::{Closest, closest, within};
+use super::nearby::{Closest, Reach, closest, within};
 use super::ray::{Cast, Met, Span, walk};
 use super::tree::{Tree, WIDTH, along_curve, by_area};
 use crate::error::Result;
@@ -69,6 +69,11 @@ impl Bvh {
         Self { level, ..self }
     }
 
+    /// Returns the SIMD level at which it is traced.
+    pub(crate) fn level(&self) -> Level {
+        self.level
+    }
+
     /// Returns the nearest hit with a distance below `limit`.
     pub fn nearest(&self, ray: &Ray, limit: f32) -> Option<Hit> {
         self.nearest_of(ray, limit, |_| true)
@@ -110,12 +115,14 @@ impl Bvh {
         reach: f32,
         counts: impl Fn(u32) -> bool,
     ) -> Option<Closest> {
-        closest(&self.tree, point, reach, counts)
+        let from = Reach { point, distance: reach };
+        dispatch_eight!(self.level, P, token => closest::<P>(token, &self.tree, from, counts))
     }
 
     /// Returns the triangles whose boxes are within `reach` of a point, in any order; `None` if they are more than `most`.
     pub fn within(&self, point: Vec3, reach: f32, most: usize) -> Option<Vec<u32>> {
-        within(&self.tree, point, reach, most)
+        let from = Reach { point, distance: reach };
+        dispatch_eight!(self.level, P, token => within::<P>(token, &self.tree, from, most))
     }
 
     /// Returns all triangles in groups of up to 64 that lie close to each other.

@@ -10,7 +10,7 @@ mod tree;
 
 pub use bvh::{Bvh, FlatBox, FlatBvh, Hit, Nearest, RayInterval};
 pub use nearby::Closest;
-pub(crate) use nearby::distance_to_triangle;
+pub(crate) use nearby::farthest_distance;
 pub use ray::Ray;
 pub use ray_packet::{PacketOrigins, PacketView, ParallelRays, RayPacket};
 pub(crate) use sweep::{EightTriangles, Sweep};

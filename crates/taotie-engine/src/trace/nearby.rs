@@ -1,9 +1,10 @@
 //! The closest point of a surface to a given one, and the triangles within a distance of it.
 
 use super::tree::{Boxes, Leaf, Tree, WIDTH};
-use crate::math::Vec3;
+use crate::math::{Lane, Mask, Pack, Vec3, dispatch_eight};
 use crate::mesh::Point;
 use arrayvec::ArrayVec;
+use fearless_simd::Level;
 
 /// The closest point of a surface to another point.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,20 +24,45 @@ impl Closest {
     }
 }
 
-/// Returns the distance of a point from a triangle.
-pub fn distance_to_triangle(corners: [Vec3; 3], point: Vec3) -> f32 {
-    let weights = closest_weights(corners, point);
-    (corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2] - point).length()
+/// Returns the largest distance of some points, at most eight, from a triangle.
+pub fn farthest_distance(level: Level, triangle: [Vec3; 3], points: &[Vec3]) -> f32 {
+    let mut places = [[0.0; WIDTH]; 3];
+    for (i, point) in points.iter().enumerate() {
+        places.iter_mut().zip(point.to_array()).for_each(|(axis, v)| axis[i] = v);
+    }
+    let mut squared = [0.0; WIDTH];
+    dispatch_eight!(level, P, token => {
+        let corners = triangle.map(|corner| splat::<P>(token, corner));
+        for k in (0..points.len()).step_by(P::LANES) {
+            let [x, y, z] = places.each_ref().map(|axis| P::load(token, &axis[k..]));
+            closest_point(corners, Vec3::new(x, y, z)).1.store(&mut squared[k..]);
+        }
+    });
+    squared[..points.len()].iter().fold(0.0, |most: f32, v| most.max(*v)).sqrt()
 }
 
 /// The maximum number of nodes waiting to be visited: the siblings of the visited node on each of 11 levels.
 const STACK: usize = 11 * (WIDTH - 1) + WIDTH;
 
+/// A search for the closest point: the point from which, and the largest distance.
+#[derive(Clone, Copy)]
+pub(super) struct Reach {
+    pub point: Vec3,
+    pub distance: f32,
+}
+
 /// Returns the closest point of the triangles that `counts`. Visits nodes from near to far, and skips those farther
 /// away than the best so far.
-pub(super) fn closest(tree: &Tree, point: Vec3, reach: f32, counts: impl Fn(u32) -> bool) -> Option<Closest> {
+#[inline(always)]
+pub(super) fn closest<P: Pack>(
+    token: P::Token,
+    tree: &Tree,
+    from: Reach,
+    counts: impl Fn(u32) -> bool,
+) -> Option<Closest> {
+    let point = from.point;
     let mut best: Option<(f32, Closest)> = None;
-    let mut limit = reach * reach;
+    let mut limit = from.distance * from.distance;
     let mut waiting: ArrayVec<(f32, usize, usize), STACK> = ArrayVec::new();
     if !tree.leaves.is_empty() {
         waiting.push((0.0, tree.levels.len(), 0));
@@ -47,7 +73,7 @@ pub(super) fn closest(tree: &Tree, point: Vec3, reach: f32, counts: impl Fn(u32)
         }
         if level > 0 {
             let first = waiting.len();
-            let distances = squared_distances(&tree.levels[level - 1][node], point);
+            let distances = squared_distances::<P>(token, &tree.levels[level - 1][node], point);
             let present = distances.into_iter().take(tree.children(level, node));
             for (i, squared) in present.enumerate().filter(|(_, squared)| *squared <= limit) {
                 waiting.push((squared, level - 1, node * WIDTH + i));
@@ -55,16 +81,15 @@ pub(super) fn closest(tree: &Tree, point: Vec3, reach: f32, counts: impl Fn(u32)
             waiting[first..].sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
             continue;
         }
+        let points = ClosestPoints::new::<P>(token, &tree.leaves[node], point);
         for (i, triangle) in tree.order[node * WIDTH..].iter().take(WIDTH).enumerate() {
-            let corners = tree.leaves[node].triangle(i);
-            let weights = closest_weights(corners, point);
-            let away = corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2] - point;
-            let squared = away.dot(away);
+            let squared = points.squared[i];
             let is_before = best.is_none_or(|(least, found)| {
                 squared < least || squared == least && *triangle < found.triangle
             });
             if squared <= limit && is_before && counts(*triangle) {
                 limit = squared;
+                let weights = [0, 1, 2].map(|corner: usize| points.weights[corner][i]);
                 best = Some((squared, Closest { triangle: *triangle, weights, distance: squared.sqrt() }));
             }
         }
@@ -72,22 +97,50 @@ pub(super) fn closest(tree: &Tree, point: Vec3, reach: f32, counts: impl Fn(u32)
     best.map(|(_, closest)| closest)
 }
 
-/// Returns the triangles whose boxes are within `reach` of a point; `None` if they are more than `most`.
-pub(super) fn within(tree: &Tree, point: Vec3, reach: f32, most: usize) -> Option<Vec<u32>> {
-    let (limit, mut found) = (reach * reach, Vec::new());
+/// The closest points of the triangles of a leaf.
+struct ClosestPoints {
+    /// The weights of their corners.
+    weights: [[f32; WIDTH]; 3],
+    /// Their squared distances; NaN for absent triangles.
+    squared: [f32; WIDTH],
+}
+
+impl ClosestPoints {
+    #[inline(always)]
+    fn new<P: Pack>(token: P::Token, leaf: &Leaf, point: Vec3) -> Self {
+        let mut points = Self { weights: [[0.0; WIDTH]; 3], squared: [0.0; WIDTH] };
+        let point = splat::<P>(token, point);
+        for k in (0..WIDTH).step_by(P::LANES) {
+            let load = |axis: &[f32; WIDTH]| P::load(token, &axis[k..]);
+            let [a, b, c] = &leaf.corners;
+            let [a, b, c] = [a, b, c].map(|[x, y, z]| Vec3::new(load(x), load(y), load(z)));
+            let (weights, squared) = closest_point([a, b, c], point);
+            squared.store(&mut points.squared[k..]);
+            for (weight, to) in weights.into_iter().zip(&mut points.weights) {
+                weight.store(&mut to[k..]);
+            }
+        }
+        points
+    }
+}
+
+/// Returns the triangles whose boxes are within a distance of a point; `None` if they are more than `most`.
+#[inline(always)]
+pub(super) fn within<P: Pack>(token: P::Token, tree: &Tree, from: Reach, most: usize) -> Option<Vec<u32>> {
+    let (limit, mut found) = (from.distance * from.distance, Vec::new());
     let mut waiting: ArrayVec<(usize, usize), STACK> = ArrayVec::new();
     if !tree.leaves.is_empty() {
         waiting.push((tree.levels.len(), 0));
     }
     while let Some((level, node)) = waiting.pop() {
         if level > 0 {
-            let distances = squared_distances(&tree.levels[level - 1][node], point);
+            let distances = squared_distances::<P>(token, &tree.levels[level - 1][node], from.point);
             let present = distances.into_iter().take(tree.children(level, node)).enumerate();
             let near = present.filter(|(_, squared)| *squared <= limit);
             waiting.extend(near.map(|(i, _)| (level - 1, node * WIDTH + i)));
             continue;
         }
-        let distances = squared_distances(&boxes(&tree.leaves[node]), point);
+        let distances = squared_distances::<P>(token, &boxes(&tree.leaves[node]), from.point);
         let slots = tree.order[node * WIDTH..].iter().zip(distances);
         found.extend(slots.filter(|(_, squared)| *squared <= limit).map(|(triangle, _)| *triangle));
         if found.len() > most {
@@ -98,6 +151,7 @@ pub(super) fn within(tree: &Tree, point: Vec3, reach: f32, most: usize) -> Optio
 }
 
 /// The box around each triangle.
+#[inline(always)]
 fn boxes(leaf: &Leaf) -> Boxes {
     let [a, b, c] = &leaf.corners;
     let of = |pick: fn(f32, f32) -> f32| {
@@ -107,57 +161,73 @@ fn boxes(leaf: &Leaf) -> Boxes {
 }
 
 /// The squared distance to each box, 0 inside.
-fn squared_distances(boxes: &Boxes, point: Vec3) -> [f32; WIDTH] {
+#[inline(always)]
+fn squared_distances<P: Pack>(token: P::Token, boxes: &Boxes, point: Vec3) -> [f32; WIDTH] {
     let mut squared = [0.0; WIDTH];
-    for (axis, v) in point.to_array().into_iter().enumerate() {
-        for (i, sum) in squared.iter_mut().enumerate() {
-            let away = (boxes.min[axis][i] - v).max(v - boxes.max[axis][i]).max(0.0);
-            *sum += away * away;
+    for k in (0..WIDTH).step_by(P::LANES) {
+        let zero = P::splat(token, 0.0);
+        let mut sum = zero;
+        for (axis, v) in point.to_array().into_iter().enumerate() {
+            let v = P::splat(token, v);
+            let (min, max) = (P::load(token, &boxes.min[axis][k..]), P::load(token, &boxes.max[axis][k..]));
+            let away = (min - v).max(v - max).max(zero);
+            sum = sum + away * away;
         }
+        sum.store(&mut squared[k..]);
     }
     squared
 }
 
+#[inline(always)]
+fn splat<P: Pack>(token: P::Token, v: Vec3) -> Vec3<P> {
+    Vec3::new(P::splat(token, v.x), P::splat(token, v.y), P::splat(token, v.z))
+}
+
+/// The weights of the corners at the point of a triangle closest to `p`, and the squared distance to it.
+#[inline(always)]
+fn closest_point<L: Lane>([a, b, c]: [Vec3<L>; 3], p: Vec3<L>) -> ([L; 3], L) {
+    let weights = closest_weights([a, b, c], p);
+    let away = a * weights[0] + b * weights[1] + c * weights[2] - p;
+    (weights, away.dot(away))
+}
+
 /// The weights of the corners at the point of a triangle closest to `p`.
 ///
-/// Source: Ericson 2004, "Real-Time Collision Detection", 5.1.5.
-fn closest_weights([a, b, c]: [Vec3; 3], p: Vec3) -> [f32; 3] {
+/// Source: Ericson 2004, "Real-Time Collision Detection", 5.1.5, without branches: all regions are computed, and the
+/// first one that holds the point is selected last.
+#[inline(always)]
+fn closest_weights<L: Lane>([a, b, c]: [Vec3<L>; 3], p: Vec3<L>) -> [L; 3] {
+    let (zero, one) = (p.x.lit(0.0), p.x.lit(1.0));
     let (ab, ac) = (b - a, c - a);
     let (d1, d2) = (ab.dot(p - a), ac.dot(p - a));
-    if d1 <= 0.0 && d2 <= 0.0 {
-        return [1.0, 0.0, 0.0];
-    }
     let (d3, d4) = (ab.dot(p - b), ac.dot(p - b));
-    if d3 >= 0.0 && d4 <= d3 {
-        return [0.0, 1.0, 0.0];
-    }
-    let vc = d1 * d4 - d3 * d2;
-    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 && d1 > d3 {
-        let v = d1 / (d1 - d3);
-        return [1.0 - v, v, 0.0];
-    }
     let (d5, d6) = (ab.dot(p - c), ac.dot(p - c));
-    if d6 >= 0.0 && d5 <= d6 {
-        return [0.0, 0.0, 1.0];
-    }
-    let vb = d5 * d2 - d1 * d6;
-    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 && d2 > d6 {
-        let w = d2 / (d2 - d6);
-        return [1.0 - w, 0.0, w];
-    }
-    let va = d3 * d6 - d5 * d4;
-    if va <= 0.0 && d4 >= d3 && d5 >= d6 && d4 - d3 > d6 - d5 {
-        let w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-        return [0.0, 1.0 - w, w];
-    }
+    let (vc, vb, va) = (d1 * d4 - d3 * d2, d5 * d2 - d1 * d6, d3 * d6 - d5 * d4);
     let (v, w) = (vb / (va + vb + vc), vc / (va + vb + vc));
-    [1.0 - v - w, v, w]
+    let along_bc = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+    let along_ca = d2 / (d2 - d6);
+    let along_ab = d1 / (d1 - d3);
+    let on_bc = va.le(zero).and(d3.le(d4)).and(d6.le(d5)).and((d6 - d5).lt(d4 - d3));
+    let on_ca = vb.le(zero).and(zero.le(d2)).and(d6.le(zero)).and(d6.lt(d2));
+    let on_ab = vc.le(zero).and(zero.le(d1)).and(d3.le(zero)).and(d3.lt(d1));
+    let regions = [
+        (on_bc, [zero, one - along_bc, along_bc]),
+        (on_ca, [one - along_ca, zero, along_ca]),
+        (zero.le(d6).and(d5.le(d6)), [zero, zero, one]),
+        (on_ab, [one - along_ab, along_ab, zero]),
+        (zero.le(d3).and(d4.le(d3)), [zero, one, zero]),
+        (d1.le(zero).and(d2.le(zero)), [one, zero, zero]),
+    ];
+    regions.into_iter().fold([one - v - w, v, w], |weights, (is_in, region)| {
+        std::array::from_fn(|corner| L::select(is_in, region[corner], weights[corner]))
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::numbers::numbers;
     use super::*;
+    use crate::math::SimdLevel;
     use crate::trace::Bvh;
     use std::collections::HashSet;
 
@@ -175,10 +245,12 @@ mod tests {
         for _ in 0..100 {
             let p = point();
             let found: HashSet<u32> = bvh.within(p, 0.2, usize::MAX).unwrap().into_iter().collect();
-            let is_near = |t: &u32| distance_to_triangle(triangles[*t as usize], p) <= 0.2;
+            let is_near =
+                |t: &u32| farthest_distance(SimdLevel::fastest(), triangles[*t as usize], &[p]) <= 0.2;
             assert!((0..300).filter(is_near).all(|t| found.contains(&t)));
             // Boxes are no larger than 0.1 by 0.1 by 0.1.
-            let is_far = |t: &u32| distance_to_triangle(triangles[*t as usize], p) > 0.2 + 0.18;
+            let is_far =
+                |t: &u32| farthest_distance(SimdLevel::fastest(), triangles[*t as usize], &[p]) > 0.2 + 0.18;
             assert!(!found.iter().any(is_far));
             assert!(found.is_empty() || bvh.within(p, 0.2, found.len() - 1).is_none());
         }
@@ -223,7 +295,8 @@ mod tests {
             let other = bvh.closest_of(p, f32::INFINITY, |triangle| triangle != found.triangle).unwrap();
             assert!(other.triangle != found.triangle && other.distance >= found.distance);
             let rest = (0..300).filter(|t| *t != found.triangle as usize).map(|t| triangles[t]);
-            let least = rest.map(|t| distance_to_triangle(t, p)).fold(f32::INFINITY, f32::min);
+            let least =
+                rest.map(|t| farthest_distance(SimdLevel::fastest(), t, &[p])).fold(f32::INFINITY, f32::min);
             assert_eq!(other.distance, least);
         }
     }
