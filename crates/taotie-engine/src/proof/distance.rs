@@ -186,8 +186,8 @@ impl Search<'_> {
 
     /// Returns the triangles, or pieces of them, that may exceed the known distance.
     fn all_pieces(&mut self) -> Vec<Piece> {
-        let clusters: Vec<&[u32]> = self.from.side.surface.bvh().clusters().collect();
-        let settled = parallel::collect(clusters.len(), |i| self.settled(clusters[i]));
+        let clusters: Vec<Vec<u32>> = self.from.side.surface.bvh().clusters().collect();
+        let settled = parallel::collect(clusters.len(), |i| self.settled(&clusters[i]));
         let most = settled.iter().map(|(most, _)| *most);
         self.upper = most.fold(self.upper, f32::max);
         settled.into_iter().flat_map(|(_, rest)| rest).collect()

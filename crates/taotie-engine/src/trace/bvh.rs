@@ -3,15 +3,15 @@
 use super::Ray;
 use super::nearby::{Closest, Reach, closest, within};
 use super::ray::{Cast, Met, Span, walk};
-use super::tree::{Tree, WIDTH, along_curve, by_area};
+use super::tree::{Child, Tree, along_curve};
 use crate::error::Result;
 use crate::math::{SimdLevel, Vec3, dispatch_eight};
 use crate::mesh::Point;
 use fearless_simd::Level;
 use std::ops::Range;
 
-/// The maximum number of triangles in a cluster.
-const CLUSTER: usize = 64;
+/// The maximum number of leaves in a cluster of triangles.
+const CLUSTER: usize = 8;
 
 /// An intersection of a ray with a triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,14 +47,14 @@ impl Bvh {
     /// Sorts the triangles 0 to `count` − 1, at most 2^32, whose finite corners are returned by `corners`. It is
     /// called several times.
     pub fn of(count: usize, corners: impl Fn(usize) -> [Vec3; 3] + Sync) -> Self {
-        Self { tree: Tree::new(along_curve(count, &corners), &corners), level: SimdLevel::fastest() }
+        Self { tree: Tree::packed(along_curve(count, &corners), &corners), level: SimdLevel::fastest() }
     }
 
     /// Like [`Bvh::build`], for many rays: sorting takes about seventeen times as long, and tracing a fifth less
     /// time. Pays off above about four rays per triangle. Hits are the same.
     pub fn for_many_rays(triangles: &[[Vec3; 3]]) -> Self {
         let corners = |t: usize| triangles[t];
-        Self { tree: Tree::new(by_area(triangles.len(), &corners), &corners), level: SimdLevel::fastest() }
+        Self { tree: Tree::by_area(triangles.len(), &corners), level: SimdLevel::fastest() }
     }
 
     /// Returns the same tree, traced at a SIMD level other than the machine's fastest.
@@ -126,18 +126,27 @@ impl Bvh {
     }
 
     /// Returns all triangles in groups of up to 64 that lie close to each other.
-    pub(crate) fn clusters(&self) -> std::slice::Chunks<'_, u32> {
-        self.tree.order.chunks(CLUSTER)
+    pub(crate) fn clusters(&self) -> impl Iterator<Item = Vec<u32>> {
+        let leaves = 0..self.tree.leaves.len();
+        leaves.step_by(CLUSTER).map(|first| {
+            let leaves = first..self.tree.leaves.len().min(first + CLUSTER);
+            leaves.flat_map(|leaf| self.tree.triangles(leaf)).copied().collect()
+        })
     }
 
     fn walk<const NEAR_FIRST: bool>(&self, ray: &Ray, span: Span, mut meet: impl FnMut(Hit, Span) -> Span) {
         dispatch_eight!(self.level, P, token => {
-            walk::<P, NEAR_FIRST>(token, &self.tree, Cast { ray, span }, |met, span| meet(self.hit(&met), span));
+            walk::<P, NEAR_FIRST>(token, &self.tree, Cast { ray, span }, |met, span| match self.hit(&met) {
+                Some(hit) => meet(hit, span),
+                None => span,
+            });
         });
     }
 
-    pub(super) fn hit(&self, met: &Met) -> Hit {
-        Hit { triangle: self.tree.order[met.slot], weights: met.weights, distance: met.distance }
+    /// Returns the hit of a triangle; `None` for an absent one.
+    pub(super) fn hit(&self, met: &Met) -> Option<Hit> {
+        let triangle = self.tree.triangle(met.slot)?;
+        Some(Hit { triangle, weights: met.weights, distance: met.distance })
     }
 }
 
@@ -230,7 +239,9 @@ impl Bvh {
         let mut nearest = Nearest::on(interval);
         let span = nearest.span();
         let meet = |met: Met, _: Span| {
-            nearest.offer(self.hit(&met), &judge);
+            if let Some(hit) = self.hit(&met) {
+                nearest.offer(hit, &judge);
+            }
             nearest.span()
         };
         dispatch_eight!(self.level, P, token => walk::<P, true>(token, &self.tree, Cast { ray, span }, meet));
@@ -274,25 +285,28 @@ impl Bvh {
     /// assert_eq!((flat.boxes.len(), flat.boxes[0].triangles.clone(), flat.order), (1, 0..1, vec![0]));
     /// ```
     pub fn flat(&self) -> FlatBvh {
-        let mut boxes = Vec::new();
-        self.flatten(self.tree.levels.len(), 0, &mut boxes);
-        FlatBvh { boxes, order: self.tree.order.clone() }
+        let mut flat = FlatBvh::default();
+        if let Some(root) = self.tree.root() {
+            self.flatten(root, &mut flat);
+        }
+        flat
     }
 
-    /// Adds the boxes in a node of a level above the leaves; 1 is the lowest.
-    fn flatten(&self, level: usize, node: usize, boxes: &mut Vec<FlatBox>) {
-        for child in 0..self.tree.children(level, node) {
-            let around = &self.tree.levels[level - 1][node];
-            let [low, high] = [&around.min, &around.max].map(|side| side.map(|axis| axis[child]));
-            let (place, below) = (boxes.len(), node * WIDTH + child);
-            boxes.push(FlatBox { low, high, skip: 0, triangles: 0..0 });
-            if level == 1 {
-                let first = (below * WIDTH) as u32;
-                boxes[place].triangles = first..first + self.tree.triangles(below) as u32;
+    /// Adds the boxes in a node.
+    fn flatten(&self, node: Child, flat: &mut FlatBvh) {
+        let node = self.tree.node(node);
+        for (i, child) in node.children().iter().enumerate() {
+            let [low, high] = [&node.boxes.min, &node.boxes.max].map(|side| side.map(|axis| axis[i]));
+            let place = flat.boxes.len();
+            flat.boxes.push(FlatBox { low, high, skip: 0, triangles: 0..0 });
+            if let Some(leaf) = child.as_leaf() {
+                let first = flat.order.len() as u32;
+                flat.order.extend(self.tree.triangles(leaf));
+                flat.boxes[place].triangles = first..flat.order.len() as u32;
             } else {
-                self.flatten(level - 1, below, boxes);
+                self.flatten(*child, flat);
             }
-            boxes[place].skip = boxes.len() as u32;
+            flat.boxes[place].skip = flat.boxes.len() as u32;
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The closest point of a surface to a given one, and the triangles within a distance of it.
 
-use super::tree::{Boxes, Leaf, Tree, WIDTH};
+use super::tree::{Boxes, Child, Leaf, STACK, Tree, WIDTH};
 use crate::math::{Lane, Mask, Pack, Vec3, dispatch_eight};
 use crate::mesh::Point;
 use arrayvec::ArrayVec;
@@ -41,9 +41,6 @@ pub fn farthest_distance(level: Level, triangle: [Vec3; 3], points: &[Vec3]) -> 
     squared[..points.len()].iter().fold(0.0, |most: f32, v| most.max(*v)).sqrt()
 }
 
-/// The maximum number of nodes waiting to be visited: the siblings of the visited node on each of 11 levels.
-const STACK: usize = 11 * (WIDTH - 1) + WIDTH;
-
 /// A search for the closest point: the point from which, and the largest distance.
 #[derive(Clone, Copy)]
 pub(super) struct Reach {
@@ -63,26 +60,22 @@ pub(super) fn closest<P: Pack>(
     let point = from.point;
     let mut best: Option<(f32, Closest)> = None;
     let mut limit = from.distance * from.distance;
-    let mut waiting: ArrayVec<(f32, usize, usize), STACK> = ArrayVec::new();
-    if !tree.leaves.is_empty() {
-        waiting.push((0.0, tree.levels.len(), 0));
-    }
-    while let Some((squared, level, node)) = waiting.pop() {
+    let mut waiting: ArrayVec<(f32, Child), STACK> = ArrayVec::new();
+    waiting.extend(tree.root().map(|root| (0.0, root)));
+    while let Some((squared, child)) = waiting.pop() {
         if squared > limit {
             continue;
         }
-        if level > 0 {
-            let first = waiting.len();
-            let distances = squared_distances::<P>(token, &tree.levels[level - 1][node], point);
-            let present = distances.into_iter().take(tree.children(level, node));
-            for (i, squared) in present.enumerate().filter(|(_, squared)| *squared <= limit) {
-                waiting.push((squared, level - 1, node * WIDTH + i));
-            }
+        let Some(leaf) = child.as_leaf() else {
+            let (first, node) = (waiting.len(), tree.node(child));
+            let distances = squared_distances::<P>(token, &node.boxes, point);
+            let near = distances.into_iter().zip(node.children()).filter(|(squared, _)| *squared <= limit);
+            near.for_each(|(squared, child)| waiting.push((squared, *child)));
             waiting[first..].sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
             continue;
-        }
-        let points = ClosestPoints::new::<P>(token, &tree.leaves[node], point);
-        for (i, triangle) in tree.order[node * WIDTH..].iter().take(WIDTH).enumerate() {
+        };
+        let points = ClosestPoints::new::<P>(token, &tree.leaves[leaf], point);
+        for (i, triangle) in tree.triangles(leaf).iter().enumerate() {
             let squared = points.squared[i];
             let is_before = best.is_none_or(|(least, found)| {
                 squared < least || squared == least && *triangle < found.triangle
@@ -128,20 +121,17 @@ impl ClosestPoints {
 #[inline(always)]
 pub(super) fn within<P: Pack>(token: P::Token, tree: &Tree, from: Reach, most: usize) -> Option<Vec<u32>> {
     let (limit, mut found) = (from.distance * from.distance, Vec::new());
-    let mut waiting: ArrayVec<(usize, usize), STACK> = ArrayVec::new();
-    if !tree.leaves.is_empty() {
-        waiting.push((tree.levels.len(), 0));
-    }
-    while let Some((level, node)) = waiting.pop() {
-        if level > 0 {
-            let distances = squared_distances::<P>(token, &tree.levels[level - 1][node], from.point);
-            let present = distances.into_iter().take(tree.children(level, node)).enumerate();
-            let near = present.filter(|(_, squared)| *squared <= limit);
-            waiting.extend(near.map(|(i, _)| (level - 1, node * WIDTH + i)));
+    let mut waiting: ArrayVec<Child, STACK> = ArrayVec::from_iter(tree.root());
+    while let Some(child) = waiting.pop() {
+        let Some(leaf) = child.as_leaf() else {
+            let node = tree.node(child);
+            let distances = squared_distances::<P>(token, &node.boxes, from.point).into_iter();
+            let near = distances.zip(node.children()).filter(|(squared, _)| *squared <= limit);
+            waiting.extend(near.map(|(_, child)| *child));
             continue;
-        }
-        let distances = squared_distances::<P>(token, &boxes(&tree.leaves[node]), from.point);
-        let slots = tree.order[node * WIDTH..].iter().zip(distances);
+        };
+        let distances = squared_distances::<P>(token, &boxes(&tree.leaves[leaf]), from.point);
+        let slots = tree.triangles(leaf).iter().zip(distances);
         found.extend(slots.filter(|(_, squared)| *squared <= limit).map(|(triangle, _)| *triangle));
         if found.len() > most {
             return None;
@@ -254,7 +244,7 @@ mod tests {
             assert!(!found.iter().any(is_far));
             assert!(found.is_empty() || bvh.within(p, 0.2, found.len() - 1).is_none());
         }
-        let mut all: Vec<u32> = bvh.clusters().flatten().copied().collect();
+        let mut all: Vec<u32> = bvh.clusters().flatten().collect();
         all.sort_unstable();
         assert_eq!(all, (0..300).collect::<Vec<u32>>());
     }

@@ -9,8 +9,9 @@
 use super::bvh::{Bvh, Hit};
 use super::ray::{Edges, Met, pierced};
 use super::ray_packet::{Bounds, Places, RayPacket};
-use super::tree::{Boxes, Tree, WIDTH};
+use super::tree::{Boxes, Child, STACK, Tree, WIDTH};
 use crate::math::{Lane, Mask, Pack, dispatch_eight};
+use arrayvec::ArrayVec;
 
 impl Bvh {
     /// Calls `meet` with each active ray of a packet, by its index, and each triangle that it hits at a distance of
@@ -27,25 +28,18 @@ fn walk_packet<P: Pack>(
     packet: &mut RayPacket,
     mut meet: impl FnMut(usize, Hit) -> bool,
 ) {
-    /// The size of the stack, as for one ray: seven siblings wait on each level.
-    const STACK: usize = 96;
-    let mut waiting = [(0u32, 0u32); STACK];
-    let mut count = usize::from(!bvh.tree.leaves.is_empty());
-    waiting[0] = (bvh.tree.levels.len() as u32, 0);
-    while count > 0 && packet.left > 0 {
-        count -= 1;
-        let (level, node) = waiting[count];
-        if level == 0 {
-            let shadows = Shadows::new::<P>(token, &bvh.tree, node as usize, packet);
-            shadows.meet::<P>(token, packet, |ray, hit| meet(ray, bvh.hit(&hit)));
+    let mut waiting: ArrayVec<Child, STACK> = ArrayVec::from_iter(bvh.tree.root());
+    while let Some(child) = waiting.pop().filter(|_| packet.left > 0) {
+        if let Some(leaf) = child.as_leaf() {
+            let shadows = Shadows::new::<P>(token, &bvh.tree, leaf, packet);
+            shadows.meet::<P>(token, packet, |ray, met| bvh.hit(&met).is_none_or(|hit| meet(ray, hit)));
             continue;
         }
-        let mut touched = touched::<P>(token, &bvh.tree.levels[level as usize - 1][node as usize], packet);
-        touched &= (1 << bvh.tree.children(level as usize, node as usize)) - 1;
+        let node = bvh.tree.node(child);
+        let mut touched = touched::<P>(token, &node.boxes, packet) & node.present();
         while touched != 0 {
-            waiting[count] = (level - 1, node * WIDTH as u32 + touched.trailing_zeros());
+            waiting.push(node.child(touched.trailing_zeros() as usize));
             touched &= touched - 1;
-            count += 1;
         }
     }
 }
@@ -93,7 +87,7 @@ impl Shadows {
     /// Returns the shadows of a leaf's triangles; those that no ray can hit have empty bounds.
     #[inline(always)]
     fn new<P: Pack>(token: P::Token, tree: &Tree, leaf: usize, packet: &RayPacket) -> Self {
-        let present = (1 << tree.triangles(leaf)) - 1;
+        let present = (1 << tree.triangles(leaf).len()) - 1;
         let mut shadows = Self { corners: Default::default(), bounds: Bounds::EMPTY, leaf, present };
         let origin = packet.view.origin.to_array();
         for k in (0..WIDTH).step_by(P::LANES) {

@@ -1,7 +1,7 @@
 //! A ray, its watertight intersection with triangles, and its traversal of a tree, eight boxes or eight triangles at
 //! a time.
 
-use super::tree::{Boxes, Leaf, Tree, WIDTH};
+use super::tree::{Boxes, Child, Leaf, STACK, Tree, WIDTH};
 use crate::math::{Mask, Pack, Vec3};
 use arrayvec::ArrayVec;
 
@@ -190,15 +190,11 @@ pub(super) struct Met {
     pub weights: [f32; 3],
 }
 
-/// The size of the stack, deeper than any tree of 2^32 triangles; seven siblings of each node on the path may wait.
-const STACK: usize = 96;
-
-/// A waiting node: the distance at which the ray enters it, its level above the leaves (0 is a leaf), its index.
+/// A waiting node or leaf, and the distance at which the ray enters it.
 #[derive(Clone, Copy)]
 struct Waiting {
     enters: f32,
-    level: u32,
-    node: u32,
+    child: Child,
 }
 
 /// Calls `meet` with each triangle that the ray hits within the span, with `NEAR_FIRST` roughly from near to far; it
@@ -213,35 +209,26 @@ pub(super) fn walk<P: Pack, const NEAR_FIRST: bool>(
     let Cast { ray, mut span } = cast;
     let slabs = Slabs::new(ray);
     let mut stack = ArrayVec::<Waiting, STACK>::new();
-    if !tree.leaves.is_empty() {
-        stack.push(Waiting { enters: 0.0, level: tree.levels.len() as u32, node: 0 });
-    }
-    while let Some(Waiting { enters, level, node }) = stack.pop() {
+    stack.extend(tree.root().map(|child| Waiting { enters: 0.0, child }));
+    while let Some(Waiting { enters, child }) = stack.pop() {
         if enters > span.to {
             continue;
         }
-        if level == 0 {
-            let leaf = &tree.leaves[node as usize];
-            let present = tree.triangles(node as usize);
-            span = meet_leaf::<P>(token, leaf, Cast { ray, span }, |met, span| match met.slot < present {
-                true => meet(Met { slot: node as usize * WIDTH + met.slot, ..met }, span),
-                false => span,
+        if let Some(leaf) = child.as_leaf() {
+            span = meet_leaf::<P>(token, &tree.leaves[leaf], Cast { ray, span }, |met, span| {
+                meet(Met { slot: leaf * WIDTH + met.slot, ..met }, span)
             });
             continue;
         }
-        let (mut hit, entries) =
-            slabs.entries::<P>(token, &tree.levels[level as usize - 1][node as usize], span);
-        hit &= (1 << tree.children(level as usize, node as usize)) - 1;
+        let node = tree.node(child);
+        let (mut hit, entries) = slabs.entries::<P>(token, &node.boxes, span);
+        hit &= node.present();
         let first = stack.len();
         while hit != 0 {
-            let i = hit.trailing_zeros();
+            let i = hit.trailing_zeros() as usize;
             hit &= hit - 1;
             let mut place = stack.len();
-            stack.push(Waiting {
-                enters: entries[i as usize],
-                level: level - 1,
-                node: node * WIDTH as u32 + i,
-            });
+            stack.push(Waiting { enters: entries[i], child: node.child(i) });
             while NEAR_FIRST && place > first && stack[place - 1].enters < stack[place].enters {
                 stack.swap(place - 1, place);
                 place -= 1;

@@ -1,7 +1,7 @@
 //! Visits all triangles in one direction.
 
 use super::bvh::Bvh;
-use super::tree::{Boxes, Leaf, WIDTH};
+use super::tree::{Boxes, Child, Leaf, WIDTH};
 use crate::math::Vec3;
 use std::cmp::Ordering;
 
@@ -19,8 +19,7 @@ pub(crate) trait Sweep {
 
 /// A node that waits to be visited.
 struct Waiting {
-    level: usize,
-    node: usize,
+    child: Child,
     bounds: [Vec3; 2],
 }
 
@@ -62,36 +61,29 @@ impl Bvh {
     /// Visits boxes, those farthest along `toward` first. `visit` decides whether to enter a box, and receives the
     /// triangles of an entered leaf.
     fn descend(&self, toward: Vec3, mut visit: impl FnMut([Vec3; 2], Option<(&[u32], &Leaf)>) -> bool) {
-        let everything = [Vec3::splat(f32::NEG_INFINITY), Vec3::splat(f32::INFINITY)];
         let mut waiting = Vec::new();
-        if !self.tree.leaves.is_empty() {
-            let top = self.tree.levels.len();
-            waiting.extend(self.children(Waiting { level: top, node: 0, bounds: everything }));
+        if let Some(root) = self.tree.root() {
+            waiting.extend(self.children(root));
             sort(&mut waiting, toward);
         }
         while let Some(next) = waiting.pop() {
             if !visit(next.bounds, None) {
                 continue;
             }
-            if next.level == 0 {
-                let triangles = &self.tree.order[next.node * WIDTH..][..self.tree.triangles(next.node)];
-                visit(next.bounds, Some((triangles, &self.tree.leaves[next.node])));
+            if let Some(leaf) = next.child.as_leaf() {
+                visit(next.bounds, Some((self.tree.triangles(leaf), &self.tree.leaves[leaf])));
                 continue;
             }
             let first = waiting.len();
-            waiting.extend(self.children(next));
+            waiting.extend(self.children(next.child));
             sort(&mut waiting[first..], toward);
         }
     }
 
-    fn children(&self, Waiting { level, node, .. }: Waiting) -> impl Iterator<Item = Waiting> {
-        let boxes = &self.tree.levels[level - 1][node];
-        let count = self.tree.children(level, node);
-        (0..count).map(move |i| Waiting {
-            level: level - 1,
-            node: node * WIDTH + i,
-            bounds: corners(boxes, i),
-        })
+    fn children(&self, node: Child) -> impl Iterator<Item = Waiting> {
+        let node = self.tree.node(node);
+        let children = node.children().iter().enumerate();
+        children.map(|(i, child)| Waiting { child: *child, bounds: corners(&node.boxes, i) })
     }
 }
 

@@ -1,21 +1,96 @@
-//! Triangles packed eight by eight into boxes: a tree without pointers; and the orders in which they are packed,
-//! along Hilbert's curve or by surface area.
+//! Triangles in boxes, up to eight in each, and up to eight boxes in each larger one: packed eight by eight along
+//! Hilbert's curve, which is quick, or split by surface area, for many rays.
 //!
-//! Boxes take 3 bytes per triangle.
-//! Source: Kamel and Faloutsos 1993, "On packing R-trees".
+//! Packed boxes take 3.6 bytes per triangle.
+//! Sources: Kamel and Faloutsos 1993, "On packing R-trees"; Wald 2007, "On fast construction of SAH-based bounding
+//! volume hierarchies"; Wald, Benthin and Boulos 2008, "Getting rid of packets".
 
 use crate::math::Vec3;
 use crate::parallel;
+use arrayvec::ArrayVec;
 use rayon::prelude::*;
+use std::ops::Range;
 
-/// The number of children of a node, and of triangles in a leaf.
+/// The maximum number of children of a node, and of triangles in a leaf.
 pub(super) const WIDTH: usize = 8;
+
+/// The maximum number of nodes that wait during a traversal: seven siblings on each level. Below [`DEEP`] levels, nodes
+/// have equal halves, and 11 levels hold 2^32 triangles.
+pub(super) const STACK: usize = (WIDTH - 1) * (DEEP + 11) + 1;
+
+/// The number of levels below which nodes are no longer split by surface area.
+const DEEP: usize = 11;
 
 /// The boxes of up to eight children, coordinate by coordinate; those of absent ones are empty.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Boxes {
     pub min: [[f32; WIDTH]; 3],
     pub max: [[f32; WIDTH]; 3],
+}
+
+/// A node: its children, and their boxes. Boxes of absent children contain nothing, but rounding of huge coordinates
+/// may suggest otherwise, so traversal only reads the first `count`.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Node {
+    pub boxes: Boxes,
+    children: [Child; WIDTH],
+    count: u32,
+}
+
+/// A child of a node, or the root of a tree: a leaf or a node, by its index.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Child(u32);
+
+impl Child {
+    const LEAF: u32 = 1 << 31;
+
+    fn leaf(index: usize) -> Self {
+        Self(index as u32 | Self::LEAF)
+    }
+
+    fn node(index: usize) -> Self {
+        Self(index as u32)
+    }
+
+    /// Returns the index of a leaf; `None` for a node.
+    #[inline(always)]
+    pub fn as_leaf(self) -> Option<usize> {
+        (self.0 & Self::LEAF != 0).then_some((self.0 & !Self::LEAF) as usize)
+    }
+
+    /// Returns the index of a node, or any other number for a leaf.
+    #[inline(always)]
+    fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+impl Node {
+    const EMPTY: Self = Self { boxes: Boxes::EMPTY, children: [Child(0); WIDTH], count: 0 };
+
+    fn add(&mut self, child: Child, bounds: [[f32; 3]; 2]) {
+        self.boxes.set(self.count as usize, bounds);
+        self.children[self.count as usize] = child;
+        self.count += 1;
+    }
+
+    /// Returns its children, one to eight.
+    #[inline(always)]
+    pub fn children(&self) -> &[Child] {
+        &self.children[..self.count as usize]
+    }
+
+    /// Returns its child at a position of its boxes.
+    #[inline(always)]
+    pub fn child(&self, i: usize) -> Child {
+        self.children[i]
+    }
+
+    /// Returns a bit for each child.
+    #[inline(always)]
+    pub fn present(&self) -> u64 {
+        (1 << self.count) - 1
+    }
 }
 
 impl Boxes {
@@ -77,55 +152,117 @@ impl Leaf {
 /// Returns the finite corners of a triangle. Called through a pointer, so that all trees share the same code.
 pub(super) type Corners<'a> = &'a (dyn Fn(usize) -> [Vec3; 3] + Sync);
 
-/// The tree: leaves, and levels of boxes above them, the last of which has one node.
+/// The tree.
 pub(super) struct Tree {
-    /// The triangle in each slot of each leaf, in the order given.
-    pub order: Vec<u32>,
+    /// The triangle in each slot of each leaf, in the order given; [`Tree::NONE`] in absent ones, which are the last.
+    slots: Vec<u32>,
     pub leaves: Vec<Leaf>,
-    /// Node j of level 0 contains the boxes of leaves 8j to 8j + 7; of level k those of level k − 1.
-    pub levels: Vec<Vec<Boxes>>,
+    nodes: Vec<Node>,
+    /// `None` without triangles.
+    root: Option<Child>,
 }
 
 impl Tree {
-    /// Returns the number of children of a node of a level above the leaves, with 1 as the lowest; 1 to 8. Boxes of
-    /// others contain nothing, but rounding of huge coordinates may suggest otherwise, so traversal never reads them.
-    pub fn children(&self, level: usize, node: usize) -> usize {
-        let below = match level {
-            0 | 1 => self.leaves.len(),
-            level => self.levels[level - 2].len(),
-        };
-        below.saturating_sub(node * WIDTH).min(WIDTH)
+    /// The triangle of an absent slot.
+    const NONE: u32 = u32::MAX;
+
+    /// Returns the node or leaf that contains everything.
+    pub fn root(&self) -> Option<Child> {
+        self.root
     }
 
-    /// Returns the number of triangles of a leaf, 1 to 8. The other slots are empty.
-    pub fn triangles(&self, leaf: usize) -> usize {
-        self.order.len().saturating_sub(leaf * WIDTH).min(WIDTH)
+    /// Returns a node that is not a leaf.
+    #[inline(always)]
+    pub fn node(&self, node: Child) -> &Node {
+        &self.nodes[node.index()]
     }
 
-    /// Builds the tree of triangles, at most 2^32, in which every eight in `order` share a leaf.
-    pub fn new(order: Vec<u32>, corners: Corners<'_>) -> Self {
-        // Most of the tree's memory: Rayon's collection is filled by all threads, starting from its first byte.
-        let leaves: Vec<Leaf> = order.par_chunks(WIDTH).map(|slots| leaf(slots, corners)).collect();
-        let slack = slack(&leaves);
-        let mut levels = vec![above(leaves.len(), |i| widened(leaves[i].bounds(), slack))];
-        while let Some(below) = levels.last().filter(|level| level.len() > 1) {
-            let next = above(below.len(), |i| below[i].around());
-            levels.push(next);
+    /// Returns the triangles of a leaf, one to eight. Its other slots are empty.
+    #[inline(always)]
+    pub fn triangles(&self, leaf: usize) -> &[u32] {
+        let slots = &self.slots[leaf * WIDTH..][..WIDTH];
+        &slots[..WIDTH - slots.iter().filter(|triangle| **triangle == Self::NONE).count()]
+    }
+
+    /// Returns the triangle in a slot: eight times the leaf, plus its position there. `None` in an absent one.
+    #[inline(always)]
+    pub fn triangle(&self, slot: usize) -> Option<u32> {
+        Some(self.slots[slot]).filter(|triangle| *triangle != Self::NONE)
+    }
+
+    /// Builds the tree of triangles, at most 2^32 − 1, in which every eight in `order` share a leaf.
+    pub fn packed(order: Vec<u32>, corners: Corners<'_>) -> Self {
+        let mut slots = order;
+        slots.resize(slots.len().next_multiple_of(WIDTH), Self::NONE);
+        let (leaves, slack) = leaves(&slots, corners);
+        let mut nodes =
+            packed_level(0..leaves.len(), |i| (Child::leaf(i), widened(leaves[i].bounds(), slack)));
+        nodes.reserve_exact(nodes.len() / (WIDTH - 1) + WIDTH);
+        let mut level = 0..nodes.len();
+        while level.len() > 1 {
+            let next = packed_level(level, |i| (Child::node(i), nodes[i].boxes.around()));
+            level = nodes.len()..nodes.len() + next.len();
+            nodes.extend(next);
         }
-        Self { order, leaves, levels }
+        let root = nodes.len().checked_sub(1).map(Child::node);
+        Self { slots, leaves, nodes, root }
+    }
+
+    /// Builds the tree of triangles, at most 2^32 − 1, for many rays: nodes are split so that the boxes around their
+    /// children have a small surface area.
+    ///
+    /// This takes some fifteen times as long as packing. Large triangles among small ones, such as the walls around a
+    /// scan, get boxes of their own, whereas packed along a curve, each would enlarge another box.
+    pub fn by_area(count: usize, corners: Corners<'_>) -> Self {
+        let mut items = parallel::collect(count, |t| Item::new(t, corners(t)));
+        let mut lists = Lists::default();
+        if !items.is_empty() {
+            let branch = match branch(&mut items, 0) {
+                Branch::Leaf(leaf) => Branch::Node(vec![Branch::Leaf(leaf)]),
+                node => node,
+            };
+            drop(items);
+            lists.add(branch);
+        }
+        let Lists { slots, children } = lists;
+        let (leaves, slack) = leaves(&slots, corners);
+        let mut nodes: Vec<Node> = Vec::with_capacity(children.len());
+        // Children precede their parents.
+        for children in children {
+            let mut node = Node::EMPTY;
+            for child in children {
+                node.add(
+                    child,
+                    match child.as_leaf() {
+                        Some(leaf) => widened(leaves[leaf].bounds(), slack),
+                        None => nodes[child.index()].boxes.around(),
+                    },
+                );
+            }
+            nodes.push(node);
+        }
+        let root = nodes.len().checked_sub(1).map(Child::node);
+        Self { slots, leaves, nodes, root }
     }
 }
 
-/// The level above `children` nodes, whose boxes are returned by `around`.
-fn above(children: usize, around: impl Fn(usize) -> [[f32; 3]; 2] + Sync) -> Vec<Boxes> {
-    let mut nodes = vec![Boxes::EMPTY; children.div_ceil(WIDTH)];
-    parallel::change(&mut nodes, |node, boxes| {
-        let first = node * WIDTH;
-        for child in first..children.min(first + WIDTH) {
-            boxes.set(child - first, around(child));
-        }
+/// The level above some leaves or nodes, each of which is returned with its bounds by `child`.
+fn packed_level(below: Range<usize>, child: impl Fn(usize) -> (Child, [[f32; 3]; 2]) + Sync) -> Vec<Node> {
+    let mut nodes = vec![Node::EMPTY; below.len().div_ceil(WIDTH)];
+    parallel::change(&mut nodes, |i, node| {
+        let first = below.start + i * WIDTH;
+        let children = first..below.end.min(first + WIDTH);
+        children.map(&child).for_each(|(child, bounds)| node.add(child, bounds));
     });
     nodes
+}
+
+/// Returns the leaves of all slots, and the slack of their boxes.
+fn leaves(slots: &[u32], corners: Corners<'_>) -> (Vec<Leaf>, f32) {
+    // Most of the tree's memory: Rayon's collection is filled by all threads, starting from its first byte.
+    let leaves: Vec<Leaf> = slots.par_chunks(WIDTH).map(|slots| leaf(slots, corners)).collect();
+    let slack = slack(&leaves);
+    (leaves, slack)
 }
 
 /// Boxes are slightly wider than their triangles, so that a flat one is entered in spite of rounding.
@@ -144,7 +281,7 @@ fn slack(leaves: &[Leaf]) -> f32 {
 
 fn leaf(slots: &[u32], corners: Corners<'_>) -> Leaf {
     let mut leaf = Leaf { corners: [[[f32::NAN; WIDTH]; 3]; 3] };
-    for (i, triangle) in slots.iter().enumerate() {
+    for (i, triangle) in slots.iter().enumerate().filter(|(_, triangle)| **triangle != Tree::NONE) {
         for (corner, point) in corners(*triangle as usize).into_iter().enumerate() {
             for (axis, v) in point.to_array().into_iter().enumerate() {
                 leaf.corners[corner][axis][i] = v;
@@ -270,10 +407,6 @@ struct Item {
     number: u32,
 }
 
-/// The keys by which halves are separated: the centre of the box along each axis, or its longest side.
-const KEYS: [usize; 4] = [0, 1, 2, LONGEST];
-const LONGEST: usize = 3;
-
 impl Item {
     fn new(number: usize, corners: [Vec3; 3]) -> Self {
         let [a, b, c] = corners.map(Vec3::to_array);
@@ -282,76 +415,156 @@ impl Item {
     }
 
     #[inline(always)]
-    fn key(&self, key: usize) -> f32 {
-        match key {
-            LONGEST => (0..3).fold(0.0, |most: f32, axis| most.max(self.max[axis] - self.min[axis])),
-            axis => self.min[axis] * 0.5 + self.max[axis] * 0.5,
-        }
+    fn center(&self, axis: usize) -> f32 {
+        self.min[axis] * 0.5 + self.max[axis] * 0.5
     }
 }
 
-/// Returns the triangles in an order for many rays: split so that the boxes around the halves have a small surface
-/// area.
-///
-/// Finding it takes seventeen times as long as the order along a curve, and tracing takes a fifth less time. Large
-/// triangles among small ones, such as the walls around a scan, are grouped, whereas on a curve each would enlarge a
-/// separate box.
-/// Source: MacDonald and Booth 1990, "Heuristics for ray tracing using space subdivision".
-pub(super) fn by_area(count: usize, corners: Corners<'_>) -> Vec<u32> {
-    let mut items = parallel::collect(count, |t| Item::new(t, corners(t)));
-    let mut child = WIDTH;
-    while child.saturating_mul(WIDTH) < count {
-        child *= WIDTH;
-    }
-    arrange(&mut items, child);
-    parallel::collect(count, |i| items[i].number)
+/// A part of a tree before it is stored.
+enum Branch {
+    Leaf(ArrayVec<u32, WIDTH>),
+    Node(Vec<Self>),
 }
 
-/// Arranges the triangles of a node whose children contain `child` triangles each.
-fn arrange(items: &mut [Item], child: usize) {
-    /// Two halves with at least this number of triangles are arranged in parallel.
+/// Splits triangles into a tree; `depth` is the number of nodes above.
+fn branch(items: &mut [Item], depth: usize) -> Branch {
+    /// The parts of a node with at least this number of triangles are split in parallel.
     const APART: usize = 4096;
     if items.len() <= WIDTH {
         items.sort_unstable_by_key(|item| item.number);
-        return;
+        return Branch::Leaf(items.iter().map(|item| item.number).collect());
     }
-    if items.len() <= child {
-        return arrange(items, child / WIDTH);
-    }
-    let half = items.len().div_ceil(child) / 2 * child;
-    let costs = KEYS.map(|key| {
-        halve(items, half, key);
-        cost(&items[..half]) + cost(&items[half..])
-    });
-    let best = KEYS.into_iter().fold(0, |best, key| if costs[key] < costs[best] { key } else { best });
-    halve(items, half, best);
-    let both = items.len();
-    let (left, right) = items.split_at_mut(half);
-    if both < APART {
-        arrange(left, child);
-        arrange(right, child);
-    } else {
-        rayon::join(|| arrange(left, child), || arrange(right, child));
-    }
+    let is_large = items.len() >= APART;
+    let parts = parts(items, depth);
+    Branch::Node(match is_large {
+        true => parts.into_par_iter().map(|part| branch(part, depth + 1)).collect(),
+        false => parts.into_iter().map(|part| branch(part, depth + 1)).collect(),
+    })
 }
 
-/// Moves the triangles with the lower keys to the front.
-fn halve(items: &mut [Item], half: usize, key: usize) {
-    items
-        .select_nth_unstable_by(half, |a, b| a.key(key).total_cmp(&b.key(key)).then(a.number.cmp(&b.number)));
+/// Splits the triangles of a node among its children: the part of the highest cost first, until there are eight.
+fn parts(items: &mut [Item], depth: usize) -> Vec<&mut [Item]> {
+    let cost = |items: &[Item]| match depth < DEEP {
+        true => Part::of(items).cost(),
+        false => items.len() as f32,
+    };
+    let mut parts = vec![(cost(items), items)];
+    while parts.len() < WIDTH {
+        let large = parts.iter().enumerate().filter(|(_, (_, items))| items.len() > WIDTH);
+        let rank = |part: &(f32, &mut [Item])| (part.0, part.1.len());
+        let costly = large.max_by(|(_, a), (_, b)| {
+            let ((a, of_a), (b, of_b)) = (rank(a), rank(b));
+            a.total_cmp(&b).then(of_a.cmp(&of_b))
+        });
+        let Some((costly, _)) = costly else { break };
+        let (_, items) = parts.swap_remove(costly);
+        let middle = if depth < DEEP { split(items) } else { items.len() / 2 };
+        let (left, right) = items.split_at_mut(middle);
+        parts.extend([left, right].map(|items| (cost(items), items)));
+    }
+    parts.into_iter().map(|(_, items)| items).collect()
 }
 
-/// Returns the cost of a box around triangles for rays: half of its surface area times the number of triangles.
-fn cost(items: &[Item]) -> f32 {
-    let (mut min, mut max) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
-    for item in items {
+/// Triangles of a node, by their number and box.
+#[derive(Clone, Copy)]
+struct Part {
+    count: usize,
+    min: [f32; 3],
+    max: [f32; 3],
+}
+
+impl Part {
+    const EMPTY: Self = Self { count: 0, min: [f32::INFINITY; 3], max: [f32::NEG_INFINITY; 3] };
+
+    fn of(items: &[Item]) -> Self {
+        let mut part = Self::EMPTY;
+        items.iter().for_each(|item| part.add(1, item.min, item.max));
+        part
+    }
+
+    #[inline(always)]
+    fn add(&mut self, count: usize, min: [f32; 3], max: [f32; 3]) {
+        self.count += count;
         for axis in 0..3 {
-            min[axis] = min[axis].min(item.min[axis]);
-            max[axis] = max[axis].max(item.max[axis]);
+            self.min[axis] = self.min[axis].min(min[axis]);
+            self.max[axis] = self.max[axis].max(max[axis]);
         }
     }
-    let [x, y, z] = [0, 1, 2].map(|axis| max[axis] - min[axis]);
-    (x * y + y * z + z * x) * items.len() as f32
+
+    /// Returns the cost for rays: half of the surface area of the box times the number of leaves that it needs.
+    fn cost(&self) -> f32 {
+        let [x, y, z] = [0, 1, 2].map(|axis| self.max[axis] - self.min[axis]);
+        (x * y + y * z + z * x) * self.count.div_ceil(WIDTH) as f32
+    }
+}
+
+/// Moves triangles to the front, and returns their number, so that the costs of both parts are small: the best border
+/// between a few bins along each axis. Source: MacDonald and Booth 1990, "Heuristics for ray tracing using space
+/// subdivision".
+fn split(items: &mut [Item]) -> usize {
+    const BINS: usize = 16;
+    let mut best: Option<(f32, usize, [f32; 2])> = None;
+    for axis in 0..3 {
+        let centers = items.iter().map(|item| item.center(axis));
+        let [low, high] = centers.fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], center| {
+            [low.min(center), high.max(center)]
+        });
+        let scale = BINS as f32 / (high - low);
+        if !scale.is_finite() {
+            continue;
+        }
+        let mut bins = [Part::EMPTY; BINS];
+        for item in &*items {
+            let bin = ((item.center(axis) - low) * scale) as usize;
+            bins[bin.min(BINS - 1)].add(1, item.min, item.max);
+        }
+        let (mut right, mut costs) = (Part::EMPTY, [f32::INFINITY; BINS]);
+        for i in (1..BINS).rev() {
+            right.add(bins[i].count, bins[i].min, bins[i].max);
+            costs[i] = if right.count > 0 { right.cost() } else { f32::INFINITY };
+        }
+        let mut left = Part::EMPTY;
+        for i in 1..BINS {
+            left.add(bins[i - 1].count, bins[i - 1].min, bins[i - 1].max);
+            let cost = costs[i] + left.cost();
+            if left.count > 0 && cost < best.map_or(f32::INFINITY, |(least, ..)| least) {
+                best = Some((cost, axis, [low, i as f32 / scale]));
+            }
+        }
+    }
+    let Some((_, axis, [low, border])) = best else { return items.len() / 2 };
+    let mut count = 0;
+    for i in 0..items.len() {
+        if items[i].center(axis) - low < border {
+            items.swap(i, count);
+            count += 1;
+        }
+    }
+    if (1..items.len()).contains(&count) { count } else { items.len() / 2 }
+}
+
+/// The slots and nodes of a tree; the children of each node precede it.
+#[derive(Default)]
+struct Lists {
+    slots: Vec<u32>,
+    children: Vec<ArrayVec<Child, WIDTH>>,
+}
+
+impl Lists {
+    fn add(&mut self, branch: Branch) -> Child {
+        match branch {
+            Branch::Leaf(triangles) => {
+                self.slots.extend(&triangles);
+                self.slots.extend(std::iter::repeat_n(Tree::NONE, WIDTH - triangles.len()));
+                Child::leaf(self.slots.len() / WIDTH - 1)
+            }
+            Branch::Node(branches) => {
+                let children = branches.into_iter().map(|branch| self.add(branch)).collect();
+                self.children.push(children);
+                Child::node(self.children.len() - 1)
+            }
+        }
+    }
 }
 
 #[cfg(test)]
@@ -386,19 +599,50 @@ mod tests {
         [at, at + Vec3::new(size, 0.0, 0.0), at + Vec3::new(0.0, size, 0.0)]
     }
 
+    /// Returns the triangles of all leaves, in the order of a traversal.
+    fn triangles(tree: &Tree) -> Vec<Vec<u32>> {
+        let (mut leaves, mut waiting) = (Vec::new(), Vec::from_iter(tree.root()));
+        while let Some(child) = waiting.pop() {
+            match child.as_leaf() {
+                Some(leaf) => leaves.push(tree.triangles(leaf).to_vec()),
+                None => waiting.extend(tree.node(child).children()),
+            }
+        }
+        leaves
+    }
+
     #[test]
     fn every_triangle_is_there_once() {
         for count in [0, 1, 8, 9, 64, 65, 1000, 5000] {
-            let mut order = by_area(count, &triangle);
-            order.sort_unstable();
-            assert!(order.into_iter().eq(0..count as u32), "{count}");
+            for tree in
+                [Tree::by_area(count, &triangle), Tree::packed(along_curve(count, &triangle), &triangle)]
+            {
+                let mut all = triangles(&tree).concat();
+                all.sort_unstable();
+                assert!(all.into_iter().eq(0..count as u32), "{count}");
+            }
         }
     }
 
     #[test]
     fn large_triangles_share_leaves() {
-        let order = by_area(1000, &triangle);
-        let has_large = |leaf: &&[u32]| leaf.iter().any(|t| t.is_multiple_of(100));
-        assert_eq!(order.chunks(WIDTH).filter(has_large).count(), 2, "ten of them in leaves of eight");
+        let has_large = |leaf: &&Vec<u32>| leaf.iter().any(|t| t.is_multiple_of(100));
+        let tree = Tree::by_area(1000, &triangle);
+        assert_eq!(triangles(&tree).iter().filter(has_large).count(), 2, "ten of them in leaves of eight");
+    }
+
+    #[test]
+    fn equal_triangles_are_split_into_a_shallow_tree() {
+        let corner = |t: usize| [Vec3::splat(f32::from(u8::from(t == 0))); 3];
+        let tree = Tree::by_area(100_000, &corner);
+        let mut waiting = vec![(tree.root().unwrap(), 1)];
+        let mut deepest = 0;
+        while let Some((child, depth)) = waiting.pop() {
+            deepest = deepest.max(depth);
+            if child.as_leaf().is_none() {
+                waiting.extend(tree.node(child).children().iter().map(|child| (*child, depth + 1)));
+            }
+        }
+        assert!(deepest <= 8, "{deepest}");
     }
 }
