@@ -16,7 +16,7 @@ impl SceneTree {
     /// Sorts all triangles for at least `rays` rays, which are traced at a SIMD level.
     pub(super) fn new(draws: &Draws<'_>, rays: u64, level: Level) -> Self {
         /// The number of rays per triangle from which sorting for many rays pays off.
-        const MANY: u64 = 4;
+        const MANY: u64 = 8;
         let triangles = |draw: &Draw<'_>| -> Vec<[Vec3; 3]> {
             draw.mesh.triangles().iter().map(|t| t.map(|v| draw.positions[v as usize])).collect()
         };

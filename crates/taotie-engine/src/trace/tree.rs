@@ -211,7 +211,7 @@ impl Tree {
     /// Builds the tree of triangles, at most 2^32 − 1, for many rays: nodes are split so that the boxes around their
     /// children have a small surface area.
     ///
-    /// This takes some fifteen times as long as packing. Large triangles among small ones, such as the walls around a
+    /// This takes five to ten times as long as packing. Large triangles among small ones, such as the walls around a
     /// scan, get boxes of their own, whereas packed along a curve, each would enlarge another box.
     pub fn by_area(count: usize, corners: Corners<'_>) -> Self {
         let mut items = parallel::collect(count, |t| Item::new(t, corners(t)));
