@@ -26,10 +26,12 @@
 //! # }
 //! ```
 
+mod bakes;
 mod blending;
 mod frame_inputs;
 mod gpu;
 mod pipelines;
+mod rays;
 mod renderer;
 mod shadows;
 mod surfaces;
