@@ -91,7 +91,9 @@ fn options(mut args: impl Iterator<Item = String>) -> Result<(AdapterChoice, Vec
             list => match list.split(',').map(size).collect::<Option<Vec<Size>>>() {
                 Some(list) => sizes.extend(list),
                 None => {
-                    return Err(Error::invalid(arg, "expected [--adapter NAME] [TRIANGLES[xSIZE],...]").into());
+                    return Err(
+                        Error::invalid(arg, "expected [--adapter NAME] [TRIANGLES[xSIZE],...]").into()
+                    );
                 }
             },
         }

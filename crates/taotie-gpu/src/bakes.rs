@@ -177,7 +177,10 @@ impl LoadedScan {
     }
 
     fn look(&self, sky: SkyRays<'_>, points: &[SkyPoint], groups: &[Option<u32>]) -> Result<Vec<Open>> {
-        let words: Vec<Point> = points.iter().map(Point::of).collect();
+        // Neighbours that follow the same directions take the same way through the tree.
+        let mut order: Vec<usize> = (0..points.len()).collect();
+        order.sort_by_key(|i| points[*i].class);
+        let words: Vec<Point> = order.iter().map(|i| Point::of(&points[*i])).collect();
         let directions: Vec<[f32; 4]> =
             sky.directions.iter().map(|direction| [direction.x, direction.y, direction.z, 0.0]).collect();
         let points = self.gpu.storage("points of the scan", bytemuck::cast_slice(&words))?;
@@ -199,7 +202,10 @@ impl LoadedScan {
             },
             slice: (DIRECTIONS / count.div_ceil(classes).max(1)).max(FEWEST_POINTS),
         })?;
-        Ok(bytes.chunks_exact(OPEN_BYTES).map(bytemuck::pod_read_unaligned).map(OpenSums::open).collect())
+        let sums = bytes.chunks_exact(OPEN_BYTES).map(bytemuck::pod_read_unaligned).map(OpenSums::open);
+        let mut open = vec![Open::default(); order.len()];
+        order.into_iter().zip(sums).for_each(|(i, sums)| open[i] = sums);
+        Ok(open)
     }
 
     /// Runs work slice by slice, and returns its results.

@@ -58,6 +58,21 @@ pub trait RayCaster: Send + Sync {
     fn open(&self, sky: SkyRays<'_>, points: &[SkyPoint], groups: &[Option<u32>]) -> Result<Vec<Open>>;
 }
 
+/// The number of rays from which a [`RayCaster`] gets them: enough for all cores of a GPU.
+pub(super) const BATCH: usize = 1 << 17;
+
+/// Returns the memory in bytes that a bake needs in addition if a [`RayDevice`] casts its rays: batches of all threads,
+/// and the triangles and vertices on a device without memory of its own.
+pub fn bytes_on_device(triangles: u64, vertices: u64) -> u64 {
+    /// Rays and points of a batch, as the CPU and the device have them.
+    const RAY: u64 = 512;
+    /// A triangle with its share of the tree, as a list and on the device.
+    const TRIANGLE: u64 = 32;
+    const VERTEX: u64 = 32;
+    let batches = rayon::current_num_threads() as u64 * BATCH as u64 * RAY;
+    batches.saturating_add(triangles.saturating_mul(TRIANGLE)).saturating_add(vertices.saturating_mul(VERTEX))
+}
+
 /// A ray for a [`RayCaster`], world space and model units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CastRay {

@@ -6,7 +6,7 @@ use super::fill::fill;
 use super::layout::{BAND, Layout, TriangleSamples};
 use super::maps::{BakeCounts, Baked, BakedMaps, BandMaps, MapKind, Maps, Plane, TexelStatus};
 use super::projection::{Correspondence, ProjectionRay, groups, search, search_by};
-use super::scan::{Open, RayCaster, Scan, SkyPoint};
+use super::scan::{BATCH, Open, RayCaster, Scan, SkyPoint};
 use super::sky::{Bevel, Seen, Sky};
 use super::texel_sums::{MaterialSums, OF_POINTS, PointSums};
 use super::texture_lookup::LookupPoint;
@@ -229,9 +229,6 @@ struct Batch<'a> {
     /// The projection rays of all their samples.
     rays: Vec<ProjectionRay<'a>>,
 }
-
-/// The number of samples from which a batch is cast: enough for all cores of a GPU.
-const BATCH: usize = 1 << 17;
 
 /// Adds the open parts of hemispheres to their texels.
 fn add_open(texels: &[u32], open: Vec<Open>, cells: &mut [Cell]) {
