@@ -99,8 +99,9 @@ bench-fma: $(RENDER_VENV)/ready ## Measure the cost of reproducible bits: the sa
 bench-floor: ## Measure the arithmetic and texel loads of a pixel, and compare them with a frame
 	cargo bench -p taotie --bench floor
 
-bench-gpu: ## Measure frames per second on the GPU and the CPU; BENCH=--quick: fewer
+bench-gpu: ## Measure frames per second and bakes on the GPU and the CPU; BENCH=--quick: fewer
 	cargo run --release -p taotie-gpu --example gpu_frames -- $(BENCH)
+	cargo run --release -p taotie-gpu --example gpu_bakes -- $(BENCH)
 
 SCALING_VENV = target/bench-scaling/venv
 bench-scaling: $(SCALING_VENV)/ready ## Measure frame time over triangles, pixels, lights, textures, threads, for docs; BENCH=--quick: fewer

@@ -20,8 +20,8 @@ pub enum Device {
     /// GPU, or a software implementation such as Mesa's lavapipe: nearly the same result, whose last digits depend on
     /// card and driver
     Gpu,
-    /// GPU if there is one, otherwise CPU, also instead of software GPUs, since it is faster, and to render for --aov and
-    /// --integrator reference
+    /// GPU if there is one, otherwise CPU. Software GPUs do not count, since the CPU is faster; output variables and the
+    /// reference integrator need the CPU
     Auto,
 }
 

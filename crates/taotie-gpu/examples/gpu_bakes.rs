@@ -1,15 +1,15 @@
 //! Bakes with rays cast by a GPU and by the CPU: seconds, and the difference of their maps: `make bench-gpu`.
 //!
 //! ```text
-//! cargo run --release -p taotie-gpu --example gpu_bakes -- [--adapter NAME] [TRIANGLES[xSIZE],...]
+//! cargo run --release -p taotie-gpu --example gpu_bakes -- [--quick] [--adapter NAME] [TRIANGLESxSIZE,...]
 //! ```
 //!
 //! The scan is a sphere with bosses and finer relief, the low-poly mesh a sphere of 3,968 triangles. Both bake the same
 //! normals, four samples per texel, then normals and ambient occlusion with 64 rays per texel. Seconds are those of the
 //! whole bake, from the sorted scan to filled maps; the upload of the scan is a separate column. Angles are those between
 //! the normals of all texels that a triangle covers, occlusion is in 8-bit codes. `--adapter` selects a GPU by a part of
-//! its name. By default, scans have 1 and 20 million triangles and maps 4096²; a software GPU only gets 1 million at
-//! 1024².
+//! its name. By default, scans have 1 and 20 million triangles and maps 4096²; with a software GPU or `--quick`, 1 million
+//! and 1024².
 
 #![allow(clippy::print_stdout, reason = "an example prints")]
 
@@ -34,10 +34,10 @@ struct Size {
     side: u32,
 }
 
-/// Bakes on a GPU, and on a software implementation.
+/// Bakes, and quick ones.
 const SIZES: [Size; 2] =
     [Size { triangles: 1_000_000, side: 4096 }, Size { triangles: 20_000_000, side: 4096 }];
-const OF_SOFTWARE: [Size; 1] = [Size { triangles: 1_000_000, side: 1024 }];
+const QUICK: [Size; 1] = [Size { triangles: 1_000_000, side: 1024 }];
 
 /// A GPU that reports how long the upload of a scan takes.
 struct Timed(Gpu);
@@ -46,7 +46,11 @@ impl RayDevice for Timed {
     fn load(&self, scan: &Scan) -> taotie_engine::Result<Box<dyn RayCaster>> {
         let start = Instant::now();
         let loaded = self.0.load(scan)?;
-        println!("upload of {} triangles: {:.2} s", scan.mesh().triangles().len(), seconds(start));
+        println!(
+            "upload of {} triangles: {:.2} s, with the shaders",
+            scan.mesh().triangles().len(),
+            seconds(start)
+        );
         Ok(loaded)
     }
 }
@@ -59,46 +63,53 @@ struct Subject {
 }
 
 fn main() -> Result<()> {
-    let (choice, sizes) = options(std::env::args().skip(1))?;
-    let gpu = Gpu::find(&choice)?;
+    let options = options(std::env::args().skip(1))?;
+    let gpu = Gpu::find(&options.choice)?;
     let adapter = gpu.description();
     let software = if adapter.is_software() { ", a software GPU" } else { "" };
     println!("GPU: {} through {}, {}{software}", adapter.name, adapter.backend, adapter.driver);
     println!("CPU: {} threads\n", rayon::current_num_threads());
-    let usual = if adapter.is_software() { &OF_SOFTWARE[..] } else { &SIZES };
+    let usual = if options.quick || adapter.is_software() { &QUICK[..] } else { &SIZES };
     let mut rows = Vec::new();
-    for size in if sizes.is_empty() { usual } else { &sizes } {
+    for size in if options.sizes.is_empty() { usual } else { &options.sizes } {
         rows.extend(of_size(&gpu, *size)?);
     }
     println!(
-        "\n| triangles | maps | CPU, s | GPU, s | other normals | mean, ° | 99.9 %, ° | largest, ° | \
-         occlusion, mean, codes | 99.9 %, codes | largest, codes |\n|---|---|{}",
-        "---:|".repeat(9)
+        "\n| triangles | maps | CPU, s | GPU, s | normals: mean, ° | 99.9 %, ° | largest, ° | \
+         occlusion: mean, codes | 99.9 %, codes | largest, codes |\n|---:|---|{}",
+        "---:|".repeat(8)
     );
     rows.iter().for_each(|row| println!("{row}"));
     Ok(())
 }
 
-fn options(mut args: impl Iterator<Item = String>) -> Result<(AdapterChoice, Vec<Size>)> {
-    let (mut choice, mut sizes) = (AdapterChoice::default(), Vec::new());
+/// The command-line options.
+#[derive(Default)]
+struct Options {
+    quick: bool,
+    choice: AdapterChoice,
+    sizes: Vec<Size>,
+}
+
+fn options(mut args: impl Iterator<Item = String>) -> Result<Options> {
+    let size = |text: &str| {
+        let (triangles, side) = text.split_once('x')?;
+        Some(Size { triangles: triangles.parse().ok()?, side: side.parse().ok()? })
+    };
+    let mut options = Options::default();
     while let Some(arg) = args.next() {
-        let size = |text: &str| {
-            let (triangles, side) = text.split_once('x').unwrap_or((text, "4096"));
-            Some(Size { triangles: triangles.parse().ok()?, side: side.parse().ok()? })
-        };
         match arg.as_str() {
-            "--adapter" => choice.name = args.next(),
-            list => match list.split(',').map(size).collect::<Option<Vec<Size>>>() {
-                Some(list) => sizes.extend(list),
-                None => {
-                    return Err(
-                        Error::invalid(arg, "expected [--adapter NAME] [TRIANGLES[xSIZE],...]").into()
-                    );
-                }
-            },
+            "--quick" => options.quick = true,
+            "--adapter" => options.choice.name = args.next(),
+            list => {
+                let sizes: Option<Vec<Size>> = list.split(',').map(size).collect();
+                let wrong =
+                    || Error::invalid(list, "expected [--quick] [--adapter NAME] [TRIANGLESxSIZE,...]");
+                options.sizes.extend(sizes.ok_or_else(wrong)?);
+            }
         }
     }
-    Ok((choice, sizes))
+    Ok(options)
 }
 
 /// Returns the rows of the table for a scan.
@@ -120,7 +131,7 @@ fn of_size(gpu: &Gpu, Size { triangles, side }: Size) -> Result<Vec<String>> {
         let all = subject.scan.mesh().triangles().len();
         let what = if maps.len() == 1 { "normals" } else { "normals, occlusion" };
         rows.push(format!(
-            "| {all} | {side}², {what} | {cpu:.2} | {gpu:.2} |{}{} |",
+            "| {all} | {side}², {what} | {cpu:.2} | {gpu:.2} |{} |{} |",
             angles(by_cpu, &by_gpu),
             codes(by_cpu, &by_gpu)
         ));
@@ -168,26 +179,24 @@ fn angles(a: &BakedMaps, b: &BakedMaps) -> String {
         scalar::atan2(a.cross(b).length(), a.dot(b)).to_degrees()
     };
     let mut angles: Vec<f64> = covered.map(angle).collect();
-    let other = angles.iter().filter(|angle| **angle > 0.0).count();
-    let [mean, most, largest] = summary(&mut angles);
-    format!(" {other} of {} | {mean:.2e} | {most:.2e} | {largest:.2} |", angles.len())
+    cells(&mut angles)
 }
 
 /// Returns the cells of the differences of the occlusion of two bakes.
 fn codes(a: &BakedMaps, b: &BakedMaps) -> String {
     let (a, b) = (a.covered(Plane::Occlusion), b.covered(Plane::Occlusion));
     if a.is_empty() {
-        return " | |".into();
+        return " – | – | –".into();
     }
     let mut codes: Vec<f64> = a.iter().zip(&b).map(|(a, b)| 255.0 * f64::from((a - b).abs())).collect();
-    let [mean, most, largest] = summary(&mut codes);
-    format!(" {mean:.2e} | {most:.2e} | {largest:.2}")
+    cells(&mut codes)
 }
 
-/// Returns the mean, the 99.9th percentile and the largest of some numbers, which are sorted.
-fn summary(numbers: &mut [f64]) -> [f64; 3] {
+/// Returns the cells of the mean, the 99.9th percentile and the largest of some numbers, which are sorted.
+fn cells(numbers: &mut [f64]) -> String {
     numbers.sort_unstable_by(f64::total_cmp);
     let mean = numbers.iter().sum::<f64>() / numbers.len().max(1) as f64;
     let at = |share: f64| numbers.get((numbers.len().saturating_sub(1) as f64 * share) as usize);
-    [Some(&mean), at(0.999), at(1.0)].map(|number| number.copied().unwrap_or(f64::NAN))
+    let [most, largest] = [0.999, 1.0].map(|share| at(share).copied().unwrap_or(f64::NAN));
+    format!(" {mean:.1e} | {most:.1e} | {largest:.1e}")
 }

@@ -361,3 +361,23 @@ fn pipelines(gpu: &Gpu) -> Result<[ComputePipeline; 2]> {
         })
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use taotie_engine::mesh::Mesh;
+    use taotie_engine::scene::{Material, Scene};
+
+    #[test]
+    fn a_scan_that_does_not_fit_is_refused_with_the_size_that_does() {
+        let Some(mut gpu) = crate::gpu::found() else { return };
+        let scene = Scene::of_mesh(Mesh::sphere(1.0, 64, 32), Material::default()).unwrap();
+        let scan = Scan::new(scene).unwrap();
+        assert!(gpu.load(&scan).is_ok());
+        // 3,968 triangles take 63,488 bytes, and 2,145 vertices 68,640.
+        gpu.limits.max_storage_buffer_binding_size = 34_320;
+        let error = gpu.load(&scan).err().expect("it does not fit").to_string();
+        let fits = "the scan is too large: 3968 triangles, at most about 1984 on ";
+        assert!(error.starts_with(fits) && error.ends_with("; make it smaller, or use the CPU"), "{error}");
+    }
+}
