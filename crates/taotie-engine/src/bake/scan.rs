@@ -62,7 +62,7 @@ pub trait RayCaster: Send + Sync {
 pub(super) const BATCH: usize = 1 << 17;
 
 /// Returns the memory in bytes that a bake needs in addition if a [`RayDevice`] casts its rays: batches of all threads,
-/// and the triangles and vertices on a device without memory of its own.
+/// and the triangles and vertices on a device that uses the memory of the CPU.
 pub fn bytes_on_device(triangles: u64, vertices: u64) -> u64 {
     /// Rays and points of a batch, as the CPU and the device have them.
     const RAY: u64 = 512;
