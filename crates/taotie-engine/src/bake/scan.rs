@@ -69,8 +69,11 @@ pub fn bytes_on_device(triangles: u64, vertices: u64) -> u64 {
     /// A triangle with its share of the tree, as a list and on the device.
     const TRIANGLE: u64 = 32;
     const VERTEX: u64 = 32;
+    /// The driver.
+    const DRIVER: u64 = 96 << 20;
     let batches = rayon::current_num_threads() as u64 * BATCH as u64 * RAY;
-    batches.saturating_add(triangles.saturating_mul(TRIANGLE)).saturating_add(vertices.saturating_mul(VERTEX))
+    let scan = triangles.saturating_mul(TRIANGLE).saturating_add(vertices.saturating_mul(VERTEX));
+    scan.saturating_add(batches + DRIVER)
 }
 
 /// A ray for a [`RayCaster`], world space and model units.
