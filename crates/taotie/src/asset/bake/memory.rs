@@ -360,6 +360,11 @@ mod tests {
         let framed = ScanSize { framed_triangles: 20_000_000, framed_vertices: 10_000_000, ..size };
         assert!(need(framed) > 8 << 30, "{}", need(framed));
         assert_eq!(need(framed.joined()), need(size));
+        let on_device = MemoryEstimate::of(&BakeOptions::default(), size).with_device();
+        let batches = (rayon::current_num_threads() as u64) << 26;
+        assert_eq!(on_device.device_bytes, 20_000_000 * (32 + 16) + batches + (96 << 20));
+        // Simplification takes a little more than baking without a device.
+        assert!(on_device.bytes().0 - need(size) > on_device.device_bytes / 2);
         let textured = ScanSize { texture_bytes: 1 << 30, ..size };
         assert_eq!(need(textured), need(size) + (1 << 30));
     }
