@@ -89,8 +89,9 @@ bench-fma: programs ## Measure the cost of reproducible bits: the same programs 
 bench-stages: ## Measure milliseconds per stage of the renderer, and the arithmetic and texel loads of a pixel
 	cargo bench -p taotie --bench stages --bench floor
 
-bench-gpu: ## Measure frames per second on the GPU and the CPU; BENCH=--quick: fewer
+bench-gpu: ## Measure frames per second and bakes on the GPU and the CPU; BENCH=--quick: fewer
 	cargo run --release -p taotie-gpu --example gpu_frames -- $(BENCH)
+	cargo run --release -p taotie-gpu --example gpu_bakes -- $(BENCH)
 
 # The baseline is in target/bench-check/base. BASE=REV builds a revision other than the latest tag; BASE_BIN and TAOTIE_BIN
 # name folders with the old and the new `taotie` and `frames`; `make bench-check BENCH=--help` lists the options.

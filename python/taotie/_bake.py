@@ -14,7 +14,7 @@ from ._arrays import Array, PathLike, sides
 from ._error import invalid, warn
 from ._model import Model, _from_glb, scan_models, scan_options
 from ._model import model as a_model
-from ._options import Codecs, Map, Unit, check, takes
+from ._options import Codecs, Device, Map, Unit, check, takes
 from ._proof import Proof, VerifyOptions, measured
 from ._run import Progress, log, running
 
@@ -329,6 +329,7 @@ def bake(
     crease_angle: float | None = None,
     scan_green: Literal["auto", "up", "down"] = "auto",
     unit: Unit | None = None,
+    device: Device = "cpu",
     memory_limit: str | None = None,
     threads: int | None = None,
     progress: Progress = None,
@@ -419,6 +420,9 @@ def bake(
     unit : {"mm", "cm", "m", "in"}, optional
         As in `load`; defaults to the value that the scan was loaded with. If the unit is known, the asset is written
         in metres, by the scale of its root node.
+    device : {"cpu", "gpu", "auto"}
+        Device that casts the rays of projections, ao and bent; auto is a GPU if there is one that is not a software
+        implementation. Only maps by the CPU are bit-identical everywhere.
     memory_limit : str, optional
         The most memory to use, such as ``"4G"``.
     threads : int, optional
@@ -501,6 +505,7 @@ def bake(
         "cage": cage_mesh,
         "may_drop_goal": may_drop_goal,
         "memory_limit": memory_limit,
+        "device": device,
     }
     high = scan_models(scan)
     if crease_angle is not None or scan_green != "auto" or unit is not None:

@@ -9,6 +9,7 @@ import sys
 import warnings
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -86,6 +87,25 @@ def test_a_remesh_is_recorded(scan: tt.Model, tmp_path: Path) -> None:
     assert report["parameters"]["remesh"] is True
     remesh = report["origin"]["simplified"]["remesh"]
     assert (remesh["scan_shells"], remesh["open_borders"], remesh["shells"]) == (1, 0, 1)
+
+
+def test_a_device_casts_the_rays_or_its_absence_is_explained(scan: tt.Model) -> None:
+    def maps(device: Any) -> dict[str, np.ndarray]:
+        asset = tt.bake(scan, triangles=300, size=64, maps=["normal", "ao"], ao_rays=16, device=device)
+        return dict(asset.maps())
+
+    with pytest.raises(tt.Error, match="tpu"):
+        maps("tpu")
+    try:
+        by_gpu = maps("gpu")
+    except tt.Error as error:
+        assert "GPU" in str(error)
+        return
+    by_cpu = maps("cpu")
+    assert by_gpu.keys() == by_cpu.keys() and len(by_cpu) > 1
+    for name, expected in by_cpu.items():
+        differences = np.abs(by_gpu[name].astype(int) - expected)
+        assert differences.mean() < 0.01 and differences.max() <= 4, name
 
 
 def test_a_proof_measures_and_requires(asset: tt.Asset, scan: tt.Model, tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ mod compare;
 mod completions;
 mod console;
 mod demo;
+mod device;
 mod diff;
 mod inspect;
 #[cfg(feature = "mcp")]

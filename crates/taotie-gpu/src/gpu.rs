@@ -1,7 +1,8 @@
-//! An opened GPU: its choice, its checked use, and the errors of rendering on it.
+//! An opened GPU: its choice, its checked use, and the errors of working on it.
 
 use serde::Serialize;
-use wgpu::{Buffer, BufferUsages, ErrorFilter, Features, PollType, SubmissionIndex};
+use std::sync::mpsc;
+use wgpu::{Buffer, BufferUsages, ErrorFilter, Features, MapMode, PollType, SubmissionIndex};
 
 /// The features that are used if available.
 const USED: [Features; 2] = [Features::FLOAT32_FILTERABLE, Features::TEXTURE_FORMAT_16BIT_NORM];
@@ -59,6 +60,28 @@ impl Gpu {
         waited.map(drop).map_err(|error| self.refused(doing, &error))
     }
 
+    /// Returns the bytes of a buffer that the submitted work copies to.
+    pub(crate) fn read(
+        &self,
+        doing: &str,
+        (buffer, submitted): (Buffer, SubmissionIndex),
+    ) -> Result<Vec<u8>> {
+        let (sender, receiver) = mpsc::channel();
+        buffer.map_async(MapMode::Read, .., move |result| {
+            // If waiting has failed, the receiver no longer exists.
+            let _ = sender.send(result);
+        });
+        self.wait(doing, submitted)?;
+        match receiver.recv() {
+            Ok(Ok(())) => {}
+            Ok(Err(error)) => return Err(self.refused(doing, &error)),
+            Err(error) => return Err(self.refused(doing, &error)),
+        }
+        let bytes = buffer.get_mapped_range(..).map_err(|error| self.refused(doing, &error))?.to_vec();
+        buffer.unmap();
+        Ok(bytes)
+    }
+
     /// Runs a step and returns the driver's rejection as an error.
     pub(crate) fn checked<T>(&self, doing: &str, step: impl FnOnce() -> T) -> Result<T> {
         let filters = [ErrorFilter::OutOfMemory, ErrorFilter::Validation, ErrorFilter::Internal];
@@ -95,7 +118,16 @@ impl Gpu {
 
     /// Creates a buffer of `bytes`; `what` names it in errors.
     pub(crate) fn buffer(&self, what: &str, bytes: &[u8], usage: BufferUsages) -> Result<Buffer> {
-        let size = (bytes.len() as u64).next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT).max(16);
+        let buffer = self.empty(what, bytes.len() as u64, usage)?;
+        let mut padded = bytes.to_vec();
+        padded.resize(buffer.size() as usize, 0);
+        self.checked(what, || self.queue.write_buffer(&buffer, 0, &padded))?;
+        Ok(buffer)
+    }
+
+    /// Creates a buffer of zeros, of at least `size` bytes; `what` names it in errors.
+    pub(crate) fn empty(&self, what: &str, size: u64, usage: BufferUsages) -> Result<Buffer> {
+        let size = size.next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT).max(16);
         let most = self.limits.max_buffer_size;
         if size > most {
             return Err(self.too_large(what, format!("{size} bytes"), format!("{most} bytes")));
@@ -106,13 +138,7 @@ impl Gpu {
             usage: usage | BufferUsages::COPY_DST,
             mapped_at_creation: false,
         };
-        let mut padded = bytes.to_vec();
-        padded.resize(size as usize, 0);
-        self.checked(what, || {
-            let buffer = self.device.create_buffer(&descriptor);
-            self.queue.write_buffer(&buffer, 0, &padded);
-            buffer
-        })
+        self.checked(what, || self.device.create_buffer(&descriptor))
     }
 }
 
@@ -246,14 +272,14 @@ fn find_adapter(choice: &AdapterChoice) -> Result<(wgpu::Adapter, AdapterDescrip
 /// The result of an operation on a GPU.
 pub type Result<T> = std::result::Result<T, GpuError>;
 
-/// An error while rendering on a GPU. Its text is one sentence that includes what to do.
+/// An error while working on a GPU. Its text is one sentence that includes what to do.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum GpuError {
     /// No suitable GPU was found.
     #[error(
         "no GPU was found ({looked_for}); install the system's graphics driver (on Debian \
-         mesa-vulkan-drivers, which includes a software renderer), or render on the CPU"
+         mesa-vulkan-drivers, which includes a software renderer), or use the CPU"
     )]
     NoAdapter {
         /// The graphics APIs searched, and the choice.
@@ -262,7 +288,7 @@ pub enum GpuError {
         software: Vec<String>,
     },
     /// The GPU was found but does not work.
-    #[error("{adapter} cannot be used: {why}; update its driver, or render on the CPU")]
+    #[error("{adapter} cannot be used: {why}; update its driver, or use the CPU")]
     Unusable {
         /// The name of the GPU.
         adapter: String,
@@ -270,7 +296,7 @@ pub enum GpuError {
         why: String,
     },
     /// Something exceeds a limit of the GPU.
-    #[error("{what}: too large for {adapter}: {size}, at most {most}; make it smaller, or render on the CPU")]
+    #[error("{what}: too large for {adapter}: {size}, at most {most}; make it smaller, or use the CPU")]
     TooLarge {
         /// The texture, mesh or image.
         what: String,
@@ -292,7 +318,7 @@ pub enum GpuError {
         why: String,
     },
     /// The shot needs a feature that is only available on the CPU.
-    #[error("{what}: not supported on GPUs; leave it out, or render on the CPU")]
+    #[error("{what}: not supported on GPUs; leave it out, or use the CPU")]
     Unsupported {
         /// The feature.
         what: String,
@@ -300,6 +326,19 @@ pub enum GpuError {
     /// An invalid scene or shot.
     #[error(transparent)]
     Scene(#[from] taotie_engine::Error),
+}
+
+impl From<GpuError> for taotie_engine::Error {
+    fn from(error: GpuError) -> Self {
+        match error {
+            GpuError::Scene(error) => error,
+            GpuError::TooLarge { what, adapter, size, most } => {
+                let why = format!("{size}, at most {most} on {adapter}; make it smaller, or use the CPU");
+                Self::limit(what, why)
+            }
+            error => Self::unsupported("device", error.to_string()),
+        }
+    }
 }
 
 /// The GPU that tests use, or `None` if there is none and the test has to be skipped, which is a failure under

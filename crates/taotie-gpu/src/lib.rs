@@ -1,4 +1,4 @@
-//! Renders scenes on GPUs.
+//! Renders scenes, and casts the rays of bakes, on GPUs.
 //!
 //! [`GpuRenderer`] draws the same images as [`taotie_engine::render::Renderer`], with shaders that [`taotie_shader`]
 //! generates from the same formulas: textures with the same mip chains, the same lights, environments and models, the
@@ -9,6 +9,9 @@
 //! the CPU composites the ground below the image. Output variables are rejected. Blended surfaces are drawn from the
 //! farthest triangle to the nearest, by the triangles' centres; intersecting triangles are therefore blended in one
 //! order, while [`taotie_engine::render::Renderer`] sorts each pixel.
+//!
+//! [`Gpu`] is a [`taotie_engine::bake::RayDevice`]: [`taotie_engine::bake::Scan::cast_by`] makes bakes of a scan cast their
+//! projection rays and the rays of occlusion and bent normals on it.
 //!
 //! ```no_run
 //! use taotie_engine::render::{Lighting, Prepared, RenderSettings, Shot};
@@ -26,10 +29,12 @@
 //! # }
 //! ```
 
+mod bakes;
 mod blending;
 mod frame_inputs;
 mod gpu;
 mod pipelines;
+mod rays;
 mod renderer;
 mod shadows;
 mod surfaces;

@@ -1,12 +1,12 @@
 //! The targets of shadow rays, as shaders read them: the geometry, and the holes of surfaces, through which rays pass.
 
 use crate::gpu::{Gpu, Result};
+use crate::rays::{END_BOX, RAYS, box_words};
 use std::collections::HashMap;
 use taotie_engine::image::{Sampler, TexelFilter, Texture, Wrap};
 use taotie_engine::math::Vec2;
 use taotie_engine::render::{Prepared, Surface};
 use taotie_engine::scene::{AlphaMode, TextureRef};
-use taotie_engine::trace::FlatBox;
 use wgpu::Buffer;
 
 /// The shader functions that trace shadow rays.
@@ -26,7 +26,7 @@ const MASKED: u32 = 2;
 /// above the surface, in model units.
 pub(crate) fn visibility_text(offset: f32) -> String {
     let reach = REACH * offset;
-    format!("const SHADOW_OFFSET: f32 = {offset:e};\nconst SHADOW_REACH: f32 = {reach:e};\n{TEXT}")
+    format!("const SHADOW_OFFSET: f32 = {offset:e};\nconst SHADOW_REACH: f32 = {reach:e};\n{RAYS}{TEXT}")
 }
 
 /// The buffers that shadow rays read.
@@ -78,7 +78,7 @@ impl Casters {
         }
         let flat = prepared.bvh().flat();
         casters.triangles = flat.order.iter().map(|number| casters.triangles[*number as usize]).collect();
-        casters.boxes = flat.boxes.iter().map(box_words).collect();
+        casters.boxes = box_words(&flat.boxes);
         casters
     }
 
@@ -105,7 +105,7 @@ impl Casters {
     }
 
     fn upload(mut self, gpu: &Gpu) -> Result<ShadowInputs> {
-        self.boxes.push(END);
+        self.boxes.push(END_BOX);
         self.triangles.resize(self.triangles.len().max(1), [0; 4]);
         self.vertices.resize(self.vertices.len().max(1), [0.0; 8]);
         let [masks, opacities] = self.masks.upload(gpu)?;
@@ -117,17 +117,6 @@ impl Casters {
             opacities,
         ]))
     }
-}
-
-/// The end of the list of boxes, which the shader recognises by its `skip`.
-const END: [u32; 8] = [0; 8];
-
-/// The words of a box: the low four bits of the last one are the number of its triangles, the others the index of the
-/// first.
-fn box_words(around: &FlatBox) -> [u32; 8] {
-    let [[a, b, c], [d, e, f]] = [around.low, around.high].map(|corner| corner.map(f32::to_bits));
-    let triangles = around.triangles.start << 4 | around.triangles.len() as u32;
-    [a, b, c, around.skip, d, e, f, triangles]
 }
 
 /// The masks of a scene's surfaces. A shader that draws one surface cannot read the textures of another, so their

@@ -2,9 +2,8 @@
 
 use crate::gpu::{Gpu, Result};
 use crate::textures::{Texels2d, extent};
-use std::sync::mpsc;
 use taotie_engine::image::Image;
-use wgpu::{BindGroup, BindingResource, Buffer, BufferUsages, CommandEncoder, MapMode, RenderPass};
+use wgpu::{BindGroup, BindingResource, Buffer, BufferUsages, CommandEncoder, RenderPass};
 use wgpu::{RenderPipeline, Texture, TextureFormat, TextureUsages, TextureView};
 
 /// The format of depth: reversed, 1 near and 0 far.
@@ -101,7 +100,8 @@ impl Target {
             usage: BufferUsages::COPY_DST | BufferUsages::MAP_READ,
             mapped_at_creation: false,
         };
-        let buffer = gpu.checked("reading the image back", || {
+        const READING: &str = "reading the image back";
+        let submitted = gpu.checked(READING, || {
             let buffer = gpu.device.create_buffer(&descriptor);
             let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             let mut source = self.average.mean().as_image_copy();
@@ -110,30 +110,10 @@ impl Target {
                 wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(stride), rows_per_image: None };
             let destination = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
             encoder.copy_texture_to_buffer(source, destination, extent([self.size[0], count]));
-            gpu.queue.submit([encoder.finish()]);
-            buffer
+            (buffer, gpu.queue.submit([encoder.finish()]))
         })?;
-        mapped(gpu, &buffer)
+        gpu.read(READING, submitted)
     }
-}
-
-/// The bytes of a buffer, once all work is done.
-fn mapped(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<u8>> {
-    const DOING: &str = "reading the image back";
-    let (sender, receiver) = mpsc::channel();
-    buffer.map_async(MapMode::Read, .., move |result| {
-        // If waiting has failed, the receiver no longer exists.
-        let _ = sender.send(result);
-    });
-    gpu.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| gpu.refused(DOING, &error))?;
-    match receiver.recv() {
-        Ok(Ok(())) => {}
-        Ok(Err(error)) => return Err(gpu.refused(DOING, &error)),
-        Err(error) => return Err(gpu.refused(DOING, &error)),
-    }
-    let bytes = buffer.get_mapped_range(..).map_err(|error| gpu.refused(DOING, &error))?.to_vec();
-    buffer.unmap();
-    Ok(bytes)
 }
 
 /// One sample of every pixel of an image.

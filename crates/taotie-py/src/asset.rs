@@ -1,6 +1,7 @@
 //! From a model to an asset and its proof.
 
 use crate::arrays;
+use crate::device::Device;
 use crate::error::{exception, no_json};
 use crate::model::{Model, ScanModels};
 use crate::options::Options;
@@ -32,11 +33,13 @@ pub struct BakeRequest {
     /// `true` if the goal is only a default: it is dropped if no search can meet it.
     may_drop_goal: bool,
     memory_limit: Option<String>,
+    /// The [`Device`] that casts rays.
+    device: Options,
 }
 
 impl BakeRequest {
-    /// Returns the options and the limits.
-    fn read(self) -> PyResult<(BakeOptions, Option<String>)> {
+    /// Returns the options, the memory limit and the device.
+    fn read(self) -> PyResult<(BakeOptions, Option<String>, Device)> {
         let mut options = self.options.read::<BakeOptions>()?;
         if let Some(low) = self.low.as_ref() {
             options.low = Some(in_memory(low)?);
@@ -47,7 +50,7 @@ impl BakeRequest {
         if self.may_drop_goal && !options.may_search() {
             options.goal = None;
         }
-        Ok((options, self.memory_limit))
+        Ok((options, self.memory_limit, self.device.read()?))
     }
 }
 
@@ -65,12 +68,13 @@ pub struct Asset {
 /// Bakes the models of a scan.
 #[pyfunction]
 pub fn bake(py: Python<'_>, models: ScanModels, request: BakeRequest, running: Running) -> PyResult<Asset> {
-    let (options, memory_limit) = request.read()?;
+    let (options, memory_limit, device) = request.read()?;
     work::run(py, &running, |progress| {
         let memory = memory_limit.as_deref().map(str::parse).transpose()?;
         let limits = Limits { memory, ..Limits::default() }.or_free();
         options.check()?;
-        let scan = models.scan(progress)?;
+        let machine = device.open()?;
+        let scan = machine.casting(models.scan(progress)?);
         let asset = Baker::new(options).with_limits(limits).bake(&scan, progress)?;
         Ok(Asset { asset })
     })

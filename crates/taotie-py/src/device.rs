@@ -1,10 +1,12 @@
-//! The device that renders.
+//! The device that renders or casts the rays of bakes.
 
 use serde::Deserialize;
+use std::sync::Arc;
+use taotie::asset::Scan;
 use taotie_engine::film::Development;
 use taotie_engine::render::{Frame, Prepared, Shot};
 use taotie_engine::{Error, Progress, Result};
-use taotie_gpu::{AdapterChoice, Gpu, GpuError, GpuRenderer};
+use taotie_gpu::{AdapterChoice, Gpu, GpuRenderer};
 
 /// The requested device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
@@ -19,7 +21,7 @@ pub enum Device {
     Auto,
 }
 
-/// A device that renders.
+/// A device that renders or casts rays.
 pub enum Machine {
     /// The CPU.
     Cpu,
@@ -27,7 +29,7 @@ pub enum Machine {
     Gpu(Box<GpuMachine>),
 }
 
-/// A GPU that renders.
+/// A GPU that renders or casts rays.
 pub struct GpuMachine {
     gpu: Gpu,
     /// `true` if the CPU renders what the GPU cannot.
@@ -48,7 +50,7 @@ impl Device {
         match found {
             Ok(gpu) => Ok(Machine::Gpu(Box::new(GpuMachine { gpu, is_optional }))),
             Err(_) if is_optional => Ok(Machine::Cpu),
-            Err(error) => Err(refused(error)),
+            Err(error) => Err(error.into()),
         }
     }
 }
@@ -59,6 +61,14 @@ impl Machine {
         match self {
             Self::Cpu => "cpu".into(),
             Self::Gpu(machine) => machine.gpu.description().name.clone(),
+        }
+    }
+
+    /// Returns a scan with this device casting the rays of its bakes.
+    pub fn casting(&self, scan: Scan) -> Scan {
+        match self {
+            Self::Cpu => scan,
+            Self::Gpu(machine) => scan.cast_by(Arc::new(machine.gpu.clone())),
         }
     }
 
@@ -78,7 +88,7 @@ impl GpuMachine {
     /// Those of [`GpuRenderer`].
     pub fn render(&self, prepared: &Prepared, shot: &Shot<'_>, progress: Progress<'_>) -> Result<Frame> {
         let render = || GpuRenderer::new(&self.gpu, prepared)?.render(shot, progress);
-        render().map_err(refused)
+        render().map_err(Error::from)
     }
 
     /// Renders an image and develops it to 8-bit codes.
@@ -94,14 +104,7 @@ impl GpuMachine {
         let mut codes = Vec::new();
         let mut render =
             || GpuRenderer::new(&self.gpu, prepared)?.develop(shot, development, &mut codes, progress);
-        render().map_err(refused)?;
+        render().map_err(Error::from)?;
         Ok(codes)
-    }
-}
-
-fn refused(error: GpuError) -> Error {
-    match error {
-        GpuError::Scene(error) => error,
-        error => Error::unsupported("device", error.to_string()),
     }
 }

@@ -40,7 +40,7 @@ const fn printed(name: &'static str, title: &'static str, root: &'static str) ->
 
 /// All documents.
 const DOCUMENTS: [Printed; 21] = [
-    printed("bake", "taotie bake --json, and OUT.report.json", "taotie::asset::proof::report::Report"),
+    printed("bake", "taotie bake --json, and OUT.report.json", "taotie_cli::bake::Printed"),
     printed("batch", "taotie batch --json", "taotie_cli::batch::Report"),
     printed("batch-check", "taotie batch --check --json", "taotie_cli::batch::AuditReport"),
     printed("batch-collection", "collection.json of taotie batch", "taotie_report::collection_page::Data"),

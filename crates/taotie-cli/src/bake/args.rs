@@ -1,5 +1,6 @@
 //! The options of `taotie bake`.
 
+use crate::device::Device;
 use crate::options::{self, fraction, positive};
 use crate::proof_args::{ProofArgs, ScanArgs};
 use crate::running::{LimitArgs, RunArgs};
@@ -168,6 +169,11 @@ pub struct BakeArgs {
     /// The low-poly mesh with its vertices moved outward, where projection rays start
     #[arg(long, value_name = "FILE", requires = "low", help_heading = "Rays")]
     pub cage: Option<PathBuf>,
+
+    /// Device that casts the rays of projections, ao and bent; the CPU casts all others. Only maps by the CPU are
+    /// bit-identical everywhere
+    #[arg(long, value_enum, default_value_t = Device::Cpu, help_heading = "Rays")]
+    pub device: Device,
 
     /// Image formats of textures. For a search, the candidates: names separated by commas, or auto for those of
     /// --codecs. Otherwise one format: png, webp (lossless), ktx2 (UASTC with Zstandard), or with a quality: webp:85,

@@ -7,9 +7,11 @@ pub mod text;
 
 pub use args::BakeArgs;
 
+use crate::device::{Device, DeviceReport, Machine};
 use crate::{Outcome, console, stop};
 use anyhow::Result;
 use clock::{Clock, Schedule};
+use serde::Serialize;
 use taotie::Limits;
 use taotie::asset::{Baker, Certificate, MemoryEstimate, Proof, Report, Requirement, ScanFile, WrittenAsset};
 use taotie_engine::{Progress, Warnings};
@@ -21,12 +23,32 @@ pub fn run(args: &BakeArgs) -> Result<Outcome> {
     args.check()?;
     let files = stop::files();
     args.claim(&files)?;
-    let report = args.run.in_pool(|| bake(args, &files))??;
-    console::report(args.run.json, &report, text::of)?;
+    let machine = Machine::find(args.device, None)?;
+    let report = args.run.in_pool(|| bake(args, &files, &machine))??;
+    machine.report("cast rays", "");
+    console::report(args.run.json, &Printed::of(&report, (args.device, &machine)), |printed| {
+        text::of(printed.report)
+    })?;
     Ok(if report.is_met() { Outcome::Fine } else { Outcome::Different })
 }
 
-fn bake(args: &BakeArgs, files: &FileSet) -> Result<Report> {
+/// The report as `--json` prints it.
+#[derive(Serialize)]
+struct Printed<'a> {
+    #[serde(flatten)]
+    report: &'a Report,
+    /// The device that cast the rays of projections, occlusion and bent normals; only written if the CPU was not requested.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    device: Option<DeviceReport<'a>>,
+}
+
+impl<'a> Printed<'a> {
+    fn of(report: &'a Report, (device, machine): (Device, &'a Machine)) -> Self {
+        Self { report, device: (device != Device::Cpu).then(|| machine.report_of(device, false)) }
+    }
+}
+
+fn bake(args: &BakeArgs, files: &FileSet, machine: &Machine) -> Result<Report> {
     let clock = Clock::default();
     let listener = |stage: &'static str, fraction: f64| {
         clock.hear(stage, fraction);
@@ -37,12 +59,13 @@ fn bake(args: &BakeArgs, files: &FileSet) -> Result<Report> {
     let baker = Baker::new(args.options()).with_limits(limits).with_files(files);
     let file = ScanFile::read_all(&args.high, args.scan.options(), &limits, progress)?;
     Requirement::check_unit(&args.proof.requirements(), file.unit())?;
-    check_memory(args, &baker.need(file.size()), limits)?;
+    let need = baker.need(file.size());
+    check_memory(args, &if machine.is_gpu() { need.with_device() } else { need }, limits)?;
     if let Some(schedule) = Schedule::of(baker.options(), file.size(), args.is_packed()) {
         clock.expect(schedule);
     }
     files.protect(file.files())?;
-    let scan = file.into_scan(progress)?;
+    let scan = machine.casting(file.into_scan(progress)?);
     let asset = baker.bake(&scan, progress)?;
     console::say_warnings(asset.warnings());
     let written = asset.write_in(files, &args.output, &args.packing(), progress)?;
@@ -71,7 +94,8 @@ fn bake(args: &BakeArgs, files: &FileSet) -> Result<Report> {
         report.warnings.extend(warnings.list());
         let [html, json] = args.reports();
         files.write_text(&html, &page)?;
-        files.write_text(&json, &serde_json::to_string_pretty(&report)?)?;
+        let printed = Printed::of(&report, (args.device, machine));
+        files.write_text(&json, &serde_json::to_string_pretty(&printed)?)?;
     }
     files.commit()?;
     Ok(report)

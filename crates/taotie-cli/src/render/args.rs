@@ -1,6 +1,7 @@
 //! The options of `taotie render`, with those of its integrator and device, and the file formats that they ask for.
 
 use super::plan::MotionArgs;
+use crate::device::{Device, Machine};
 use crate::options;
 use crate::running::RunningArgs;
 use crate::studio::{
@@ -88,10 +89,31 @@ impl RenderArgs {
         self.camera.check()?;
         self.film.check(self.light.show_env)?;
         self.integrator.check(&self.film, &self.reflection)?;
-        self.device.check(&self.integrator, &self.aovs)?;
+        self.check_device()?;
         self.running.check()?;
         self.motion.check()?;
         self.check_picture(self.formats()?.still)
+    }
+
+    /// Rejects options that a GPU does not support.
+    fn check_device(&self) -> Result<()> {
+        if self.device != Device::Gpu {
+            return Ok(());
+        }
+        if self.integrator.reference().is_some() {
+            bail!("--device gpu: the reference integrator runs on the CPU; leave out --integrator reference");
+        }
+        if !self.aovs.is_empty() {
+            bail!("--device gpu: output variables are computed on the CPU; leave out --aov");
+        }
+        Ok(())
+    }
+
+    /// Finds the device.
+    pub fn machine(&self) -> Result<Machine> {
+        let needs_cpu = self.settings().aovs || self.integrator.reference().is_some();
+        let why = needs_cpu.then_some("output variables and the reference integrator need it");
+        Machine::find(self.device, why)
     }
 
     /// Returns the file formats of the pictures.
@@ -267,40 +289,6 @@ pub enum IntegratorReport {
         /// How light interprets a mapped normal.
         normal_mapping: NormalMapping,
     },
-}
-
-/// A kind of device, by its name on the command line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Device {
-    /// CPU: the same bits on every machine
-    Cpu,
-    /// GPU, or a software implementation such as Mesa's lavapipe: nearly the same image, whose last digits depend on
-    /// card and driver
-    Gpu,
-    /// GPU if there is one, otherwise CPU, which also renders for --aov and --integrator reference, and instead of
-    /// software GPUs, since it is faster
-    Auto,
-}
-
-impl Device {
-    /// Returns its name on the command line.
-    pub fn name(self) -> Option<String> {
-        self.to_possible_value().map(|value| value.get_name().to_owned())
-    }
-
-    /// Rejects options that a GPU does not support.
-    fn check(self, integrator: &IntegratorArgs, aovs: &[String]) -> Result<()> {
-        if self != Self::Gpu {
-            return Ok(());
-        }
-        if integrator.reference().is_some() {
-            bail!("--device gpu: the reference integrator runs on the CPU; leave out --integrator reference");
-        }
-        if !aovs.is_empty() {
-            bail!("--device gpu: output variables are computed on the CPU; leave out --aov");
-        }
-        Ok(())
-    }
 }
 
 /// The file formats of the pictures of a run.

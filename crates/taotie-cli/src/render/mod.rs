@@ -1,18 +1,18 @@
 //! `taotie render`: renders a model to a picture or an animation.
 
 mod args;
-mod machine;
+mod drawer;
 mod output;
 mod plan;
 mod sequence;
 
 pub use args::RenderArgs;
 
+use crate::device::{DeviceReport, Machine};
 use crate::studio::{self, EnvironmentReport, MaterialReport, Motion, ReflectionReport};
 use crate::{console, stop};
 use anyhow::Result;
 use args::IntegratorReport;
-use machine::{DeviceReport, Machine};
 use sequence::{Setting, Shooting, Watch};
 use serde::Serialize;
 use std::borrow::Cow;
@@ -52,7 +52,8 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let files = stop::files();
     args.claim(&files)?;
     let report = args.running.run.in_pool(|| render(args, &files))??;
-    report.machine.report(args);
+    let how = if args.settings().shadows { "; shadows by rays in the shader" } else { "" };
+    report.machine.report("rendered", how);
     console::say_warnings(&report.warnings);
     if let Some(picture) = report.files.iter().find(|file| is_png(file)) {
         console::show_file(picture)?;
@@ -127,7 +128,7 @@ impl Report {
             times: &self.times,
             size: args.size,
             integrator: args.integrator.report(),
-            device: self.machine.report_of(args),
+            device: self.machine.report_of(args.device, args.settings().shadows),
             samples: args.integrator.reference().is_none().then(|| args.film.samples()),
             shading: args.surface.shading,
             surface: args.surface.method,

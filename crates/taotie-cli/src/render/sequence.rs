@@ -1,9 +1,10 @@
 //! The pictures of a run, one after another, and the time of each stage.
 
 use super::args::{Formats, RenderArgs};
-use super::machine::{Drawer, Machine};
+use super::drawer::Drawer;
 use super::output;
 use crate::console::Bar;
+use crate::device::Machine;
 use crate::studio::{self, Motion, Viewpoint};
 use anyhow::{Context, Result};
 use std::path::PathBuf;
@@ -74,7 +75,7 @@ impl<'a> Shooting<'a> {
             development,
             plan,
             environment: None,
-            machine: Machine::find(args)?,
+            machine: args.machine()?,
             set: FileSet::new(),
             setting: None,
             watch,
@@ -131,7 +132,7 @@ impl<'a> Shooting<'a> {
             if self.done == 0 {
                 warnings.absorb(renderer.prepared().warnings().clone());
             }
-            let drawer = self.machine.drawer(&mut renderer)?;
+            let drawer = Drawer::of(&self.machine, &mut renderer)?;
             self.watch.lap("prepare");
             let mut stage = Stage { drawer, viewpoint: &viewpoint, bar: &bar };
             for shot in shots {

@@ -1,5 +1,6 @@
-//! The choice of the device to render on.
+//! The choice of the device that renders or casts the rays of bakes.
 
+use super::balls::{LOW, SCAN};
 use super::models::TRIANGLE;
 use super::place::Place;
 use serde_json::{Value, json};
@@ -98,4 +99,35 @@ fn what_graphics_processors_do_not_draw_is_refused() {
         assert!(!done && err.contains("--device gpu: ") && err.contains(why), "{err}");
     }
     assert_eq!(place.files(), ["a.obj"]);
+}
+
+#[test]
+fn a_graphics_processor_casts_the_rays_of_bakes() {
+    let place = Place::with("scan.obj", SCAN.obj());
+    place.write("low.obj", LOW.obj());
+    let line = "bake scan.obj --low low.obj --size 64 --maps normal,ao --ao-rays 16 --json";
+    let report = place.json(&format!("{line} -o cpu.glb"));
+    assert_eq!(report["device"], Value::Null, "the CPU is not mentioned unless the user left the choice");
+    let (done, out, err) = run(&place, &format!("{line} -o gpu.glb --device gpu"));
+    if !done && !is_required() {
+        assert!(err.contains("no GPU was found") && err.contains("install"), "{err}");
+        return;
+    }
+    let by_gpu: Value = serde_json::from_str(&out).unwrap_or_else(|why| panic!("{why}: {out} {err}"));
+    let device = &by_gpu["device"];
+    assert_eq!((&device["name"], &device["requested"]), (&json!("gpu"), &json!("gpu")));
+    let name = device["adapter"]["name"].as_str().expect("it has a name");
+    assert!(err.contains(&format!("taotie: cast rays on {name} via ")), "{err}");
+    let written: Value = serde_json::from_slice(&place.read("gpu.report.json")).unwrap();
+    assert_eq!(&written["device"], device);
+    assert_eq!(by_gpu["bake"]["missed_samples"], report["bake"]["missed_samples"]);
+    let mean =
+        |report: &Value| report["certificate"]["figures"][0]["value"].as_f64().expect("it is measured");
+    assert!((mean(&by_gpu) - mean(&report)).abs() < 1e-3, "{} {}", mean(&by_gpu), mean(&report));
+    let auto = place.json(&format!("{line} -o auto.glb --device auto"));
+    assert_eq!(auto["device"]["requested"], "auto");
+    if device["adapter"]["kind"] == "software" {
+        assert_eq!(auto["device"]["name"], "cpu");
+        assert_eq!(place.read("auto.glb"), place.read("cpu.glb"));
+    }
 }

@@ -25,6 +25,7 @@ pub(super) struct Layout<'a> {
 type Span = (i64, [i64; 2], i64);
 
 /// The samples of one triangle in one tile.
+#[derive(Clone)]
 pub(super) struct TriangleSamples {
     pub triangle: u32,
     pub samples: Vec<Sample>,
@@ -33,6 +34,7 @@ pub(super) struct TriangleSamples {
 }
 
 /// A sample of a triangle in a tile.
+#[derive(Clone, Copy)]
 pub(super) struct Sample {
     /// Its texel, relative to the band.
     pub texel: u32,

@@ -39,7 +39,7 @@ pub use maps::{BakeCounts, Baked, BakedMaps, MapContent, MapKind, Maps, Plane, S
 pub use projection::{Among, Correspondence, MatchRule, ProjectionRay, Target};
 pub use remesh::{REMESH_BYTES, Remesh, Remeshed, remesh};
 pub(crate) use scan::Retextured;
-pub use scan::{Scan, Visibility};
+pub use scan::{CastRay, Open, RayCaster, RayDevice, Scan, SkyPoint, SkyRays, Visibility, bytes_on_device};
 pub use sights::SightLine;
 pub(crate) use sights::sphere_directions;
 pub use simplify::{DetailLevel, Simplified, SimplifyMethod, SimplifyOptions, levels, simplify};

@@ -1,9 +1,10 @@
-//! The projection of a low-poly mesh onto the high-poly surface: point by point, or for all samples of a triangle in
-//! a tile in one pass.
+//! The projection of a low-poly mesh onto the high-poly surface: point by point, for all samples of a triangle in a tile
+//! in one pass, or for those of many triangles on a device other than the CPU.
 
 use super::layout::{Sample, TriangleSamples};
-use super::scan::Scan;
+use super::scan::{CastRay, RayCaster, Scan};
 use super::texture_lookup::{LookupPoint, MappedNormal};
+use crate::error::Result;
 use crate::math::Vec3;
 use crate::mesh::{Point, blend};
 use crate::names::Named;
@@ -112,6 +113,28 @@ impl Scan {
         let (ray, interval) = projection.ray();
         let nearest = self.bvh().nearest_to(&ray, interval, |hit| self.facing(hit, projection));
         self.visible_of(projection, nearest)
+    }
+
+    /// Returns the same as [`Scan::project`], given the triangles of the two hits nearest to the low-poly surface.
+    fn project_onto(
+        &self,
+        projection: &ProjectionRay<'_>,
+        named: [Option<u32>; 2],
+    ) -> Option<Correspondence> {
+        let (ray, interval) = projection.ray();
+        let mut nearest = Nearest::on(interval);
+        for triangle in named.into_iter().flatten() {
+            let is_known = (triangle as usize) < self.mesh().triangles().len();
+            let met = is_known.then(|| ray.intersect(self.mesh().corners(triangle as usize))).flatten();
+            let hit = met.map(|(distance, weights)| Hit { triangle, weights, distance });
+            let faced = hit.and_then(|hit| Some((hit, self.facing(&hit, projection)?)));
+            let Some((hit, normal)) = faced else { return self.project(projection) };
+            nearest.offer(hit, |_| Some(normal));
+        }
+        match nearest.best() {
+            Some(_) => self.visible_of(projection, nearest),
+            None => self.project(projection),
+        }
     }
 
     /// Returns the correspondence at a point of the scan, whichever way it faces.
@@ -228,6 +251,40 @@ pub(super) fn search(
     let found =
         |(projection, nearest): (&ProjectionRay<'_>, Nearest<Vec3>)| scan.visible_of(projection, nearest);
     projections.iter().zip(nearest).map(found).collect()
+}
+
+/// Returns the correspondence of each projection ray, as [`Scan::project`] finds it, with the hits found by a device.
+///
+/// The device only names triangles, which are intersected again here. If that fails, or if it named none, the ray is
+/// cast here too: so no ray slips through between triangles, and heights and normals do not depend on how the device
+/// rounds.
+///
+/// # Errors
+/// Those of the device.
+pub(super) fn search_by(
+    caster: &dyn RayCaster,
+    scan: &Scan,
+    projections: &[ProjectionRay<'_>],
+) -> Result<Vec<Option<Correspondence>>> {
+    let cast = |projection: &ProjectionRay<'_>| CastRay {
+        middle: projection.point,
+        direction: projection.direction,
+        distance: projection.distance,
+        group: projection.among.map(|among| among.group),
+    };
+    let is_on_ray = |projection: &&ProjectionRay<'_>| projection.target == Target::OnRay;
+    let rays: Vec<CastRay> = projections.iter().filter(is_on_ray).map(cast).collect();
+    let mut named = caster.nearest(&rays, groups(projections))?.into_iter();
+    let found = |projection: &ProjectionRay<'_>| {
+        let named = if is_on_ray(&projection) { named.next() } else { None };
+        scan.project_onto(projection, named.unwrap_or_default())
+    };
+    Ok(projections.iter().map(found).collect())
+}
+
+/// Returns the groups of the scan's parts that some projection rays of a cage refer to; none if they see all parts.
+pub(super) fn groups<'a>(projections: &[ProjectionRay<'a>]) -> &'a [Option<u32>] {
+    projections.iter().find_map(|projection| projection.among).map_or(&[], |among| among.groups)
 }
 
 /// Returns the sample at which columns and rows are zero: near all others, so that coordinates have small rounding

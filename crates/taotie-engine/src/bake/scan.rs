@@ -1,4 +1,5 @@
-//! The high-poly surface to bake from, what a viewer sees of it, and which of its points can be seen.
+//! The high-poly surface to bake from, what a viewer sees of it, which of its points can be seen, and devices other than
+//! the CPU that cast rays at it.
 
 use super::appearance::{Appearance, MaterialSample};
 use super::sights::{Ground, SeenCells, SightLine, Sights};
@@ -25,6 +26,104 @@ pub struct Scan {
     seen: OnceLock<SeenCells>,
     /// The object of each part; parts beyond its end are separate objects.
     objects: Arc<[u32]>,
+    /// The device that casts the rays of bakes; `None` for the CPU.
+    device: Option<Arc<dyn RayDevice>>,
+    /// Its triangles on that device, once a bake needs them.
+    caster: OnceLock<Box<dyn RayCaster>>,
+}
+
+/// A device other than the CPU that casts rays of bakes, such as a GPU.
+pub trait RayDevice: Send + Sync {
+    /// Uploads the triangles of a scan.
+    ///
+    /// # Errors
+    /// [`crate::Error::Limit`] if they do not fit, or those of the device.
+    fn load(&self, scan: &Scan) -> Result<Box<dyn RayCaster>>;
+}
+
+/// The triangles of a scan on a [`RayDevice`]. Rays whose `group` is not `None` see only parts of the scan whose entry in
+/// `groups` is the same. It may be called from several threads at once.
+pub trait RayCaster: Send + Sync {
+    /// Returns, for each ray, the triangles of the two hits nearest to its middle at which the scan's interpolated normal
+    /// points along the ray, the nearest first.
+    ///
+    /// # Errors
+    /// Those of the device.
+    fn nearest(&self, rays: &[CastRay], groups: &[Option<u32>]) -> Result<Vec<[Option<u32>; 2]>>;
+
+    /// Returns the open part of the hemisphere over each point.
+    ///
+    /// # Errors
+    /// Those of the device.
+    fn open(&self, sky: SkyRays<'_>, points: &[SkyPoint], groups: &[Option<u32>]) -> Result<Vec<Open>>;
+}
+
+/// The number of rays from which a [`RayCaster`] gets them: enough for all cores of a GPU.
+pub(super) const BATCH: usize = 1 << 17;
+
+/// Returns the memory in bytes that a bake needs in addition if a [`RayDevice`] casts its rays: batches of all threads,
+/// and the triangles and vertices on a device that uses the memory of the CPU.
+pub fn bytes_on_device(triangles: u64, vertices: u64) -> u64 {
+    /// Rays and points of a batch, as the CPU and the device have them.
+    const RAY: u64 = 512;
+    /// A triangle with its share of the tree, as a list and on the device.
+    const TRIANGLE: u64 = 32;
+    const VERTEX: u64 = 32;
+    /// The driver.
+    const DRIVER: u64 = 96 << 20;
+    let batches = rayon::current_num_threads() as u64 * BATCH as u64 * RAY;
+    let scan = triangles.saturating_mul(TRIANGLE).saturating_add(vertices.saturating_mul(VERTEX));
+    scan.saturating_add(batches + DRIVER)
+}
+
+/// A ray for a [`RayCaster`], world space and model units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CastRay {
+    /// Its middle.
+    pub middle: Vec3,
+    /// Its direction, unit.
+    pub direction: Vec3,
+    /// The distance of its ends from its middle.
+    pub distance: f32,
+    /// The group of parts of the scan that it sees; `None` for all.
+    pub group: Option<u32>,
+}
+
+/// The directions of rays over the hemisphere.
+#[derive(Debug, Clone, Copy)]
+pub struct SkyRays<'a> {
+    /// Unit vectors over the whole sphere.
+    pub directions: &'a [Vec3],
+    /// Points of class c follow direction c and every `classes`-th after it.
+    pub classes: u32,
+    /// The distance within which surfaces block them, in model units; may be infinite.
+    pub distance: f32,
+}
+
+/// A point whose sky is sampled.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SkyPoint {
+    /// The origin of its rays, a little above the surface.
+    pub origin: Vec3,
+    /// The interpolated normal, unit: each direction is weighted by its cosine to it.
+    pub normal: Vec3,
+    /// The normal of the triangle on the same side, unit: directions below the triangle do not count.
+    pub facet: Vec3,
+    /// Its class, below [`SkyRays::classes`].
+    pub class: u32,
+    /// The group of parts of the scan that its rays see; `None` for all.
+    pub group: Option<u32>,
+}
+
+/// The open part of a hemisphere: sums over directions, each weighted by its cosine.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Open {
+    /// The weights of all directions.
+    pub looked: f32,
+    /// The weights of open directions.
+    pub seen: f32,
+    /// The weighted open directions.
+    pub direction: Vec3,
 }
 
 impl Scan {
@@ -63,7 +162,27 @@ impl Scan {
         let mesh = surface.mesh();
         let bvh = Bvh::of(mesh.triangles().len(), |t| mesh.corners(t));
         let sights = sights(Ground { surface: &surface, bvh: &bvh });
-        Self { surface, bvh, sights, seen: OnceLock::new(), objects: Arc::default() }
+        let (seen, caster) = (OnceLock::new(), OnceLock::new());
+        Self { surface, bvh, sights, seen, objects: Arc::default(), device: None, caster }
+    }
+
+    /// Returns the scan with a device that casts the rays of its bakes.
+    #[must_use]
+    pub fn cast_by(self, device: Option<Arc<dyn RayDevice>>) -> Self {
+        Self { device, caster: OnceLock::new(), ..self }
+    }
+
+    /// Returns the triangles on the device that casts the rays of bakes; the first call uploads them. `None` for the CPU.
+    ///
+    /// # Errors
+    /// As [`RayDevice::load`].
+    pub(super) fn caster(&self) -> Result<Option<&dyn RayCaster>> {
+        let Some(device) = &self.device else { return Ok(None) };
+        if self.caster.get().is_none() {
+            let loaded = device.load(self)?;
+            self.caster.get_or_init(|| loaded);
+        }
+        Ok(self.caster.get().map(Box::as_ref))
     }
 
     /// Joins parts into objects: one number for each instance of its scene.

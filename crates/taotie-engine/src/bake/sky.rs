@@ -2,7 +2,8 @@
 //! with rounded edges.
 
 use super::projection::{Among, Correspondence};
-use super::scan::Scan;
+use super::scan::{Open, RayCaster, Scan, SkyPoint, SkyRays};
+use crate::error::Result;
 use crate::math::{Vec2, Vec3, integration, scalar};
 use crate::mesh::Mesh;
 use crate::surface::facet_normal;
@@ -35,25 +36,6 @@ impl Seen<'_> {
     pub fn has(&self, hit: &Hit) -> bool {
         self.scan.is_among(self.among, hit.triangle)
     }
-}
-
-/// A point whose sky is sampled.
-pub(super) struct AoSample {
-    origin: Vec3,
-    normal: Vec3,
-    facet: Vec3,
-    class: u32,
-}
-
-/// The open part of a hemisphere: sums over directions, each weighted by its cosine.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Open {
-    /// The weights of all directions.
-    pub looked: f32,
-    /// The weights of open directions.
-    pub seen: f32,
-    /// The weighted open directions.
-    pub direction: Vec3,
 }
 
 /// The distances to the surface behind a point: sums over directions into it, each weighted by its cosine.
@@ -97,15 +79,16 @@ impl Sky {
     }
 
     /// Returns the point of the scan that a sample found; `class` is the sample's index within its texel.
-    pub fn ao_sample(&self, scan: &Scan, found: &Correspondence, class: u32) -> AoSample {
-        let facet = facet_of(scan, found);
-        let origin = found.point.position(scan.mesh()) + facet * self.offset;
-        AoSample { origin, normal: found.normal, facet, class: class % self.classes }
+    pub fn point(&self, seen: Seen<'_>, found: &Correspondence, class: u32) -> SkyPoint {
+        let facet = facet_of(seen.scan, found);
+        let origin = found.point.position(seen.scan.mesh()) + facet * self.offset;
+        let group = seen.among.map(|among| among.group);
+        SkyPoint { origin, normal: found.normal, facet, class: class % self.classes, group }
     }
 
     /// Follows the directions into the surface below a point. Those that leave the scan without meeting it, as through
     /// a hole, do not count.
-    pub fn depth(&self, seen: Seen<'_>, sample: &AoSample) -> Depth {
+    pub fn depth(&self, seen: Seen<'_>, sample: &SkyPoint) -> Depth {
         let below = sample.origin - sample.facet * (2.0 * self.offset);
         let mut depth = Depth::default();
         let own = self.directions.iter().skip(sample.class as usize).step_by(self.classes as usize);
@@ -123,8 +106,23 @@ impl Sky {
         depth
     }
 
+    /// Samples the sky of each of these points on a device; `groups` are those of the scan's parts.
+    ///
+    /// # Errors
+    /// Those of the device.
+    pub fn open_by(
+        &self,
+        caster: &dyn RayCaster,
+        points: &[SkyPoint],
+        groups: &[Option<u32>],
+    ) -> Result<Vec<Open>> {
+        let Self { directions, classes, distance, .. } = self;
+        let sky = SkyRays { directions, classes: *classes, distance: *distance };
+        caster.open(sky, points, groups)
+    }
+
     /// Samples the sky of each of these points; neighbours should be consecutive.
-    pub fn open(&self, seen: Seen<'_>, ao_samples: &[AoSample]) -> Vec<Open> {
+    pub fn open(&self, seen: Seen<'_>, ao_samples: &[SkyPoint]) -> Vec<Open> {
         let mut open = vec![Open::default(); ao_samples.len()];
         for (class, direction) in self.classes(ao_samples).iter().cycle().zip(&self.directions) {
             let look = class.look(*direction);
@@ -142,7 +140,7 @@ impl Sky {
     }
 
     /// Returns the samples of each class; direction `i` belongs to class `i` modulo their number.
-    fn classes(&self, ao_samples: &[AoSample]) -> Vec<Class> {
+    fn classes(&self, ao_samples: &[SkyPoint]) -> Vec<Class> {
         let of = |class| {
             let numbers: Vec<usize> =
                 (0..ao_samples.len()).filter(|k| ao_samples[*k].class == class).collect();
@@ -197,11 +195,11 @@ struct Class {
 }
 
 impl Class {
-    fn new(ao_samples: &[AoSample], numbers: Vec<usize>) -> Self {
+    fn new(ao_samples: &[SkyPoint], numbers: Vec<usize>) -> Self {
         let column =
-            |value: &dyn Fn(&AoSample) -> f32| numbers.iter().map(|k| value(&ao_samples[*k])).collect();
-        let normals = [0, 1, 2].map(|axis| column(&|sample: &AoSample| sample.normal.to_array()[axis]));
-        let facets = [0, 1, 2].map(|axis| column(&|sample: &AoSample| sample.facet.to_array()[axis]));
+            |value: &dyn Fn(&SkyPoint) -> f32| numbers.iter().map(|k| value(&ao_samples[*k])).collect();
+        let normals = [0, 1, 2].map(|axis| column(&|sample: &SkyPoint| sample.normal.to_array()[axis]));
+        let facets = [0, 1, 2].map(|axis| column(&|sample: &SkyPoint| sample.facet.to_array()[axis]));
         Self {
             origins: PacketOrigins::new(numbers.iter().map(|k| ao_samples[*k].origin)),
             normals,

@@ -5,9 +5,9 @@ use super::cage::Cage;
 use super::fill::fill;
 use super::layout::{BAND, Layout, TriangleSamples};
 use super::maps::{BakeCounts, Baked, BakedMaps, BandMaps, MapKind, Maps, Plane, TexelStatus};
-use super::projection::{Correspondence, ProjectionRay, search};
-use super::scan::Scan;
-use super::sky::{AoSample, Bevel, Seen, Sky};
+use super::projection::{Correspondence, ProjectionRay, groups, search, search_by};
+use super::scan::{BATCH, Open, RayCaster, Scan, SkyPoint};
+use super::sky::{Bevel, Seen, Sky};
 use super::texel_sums::{MaterialSums, OF_POINTS, PointSums};
 use super::texture_lookup::LookupPoint;
 use crate::error::{Error, Result};
@@ -92,7 +92,7 @@ pub fn bytes_of_bands(size: [u32; 2], side: u32, maps: Maps) -> u64 {
 ///
 /// # Errors
 /// [`Error::Cancelled`]; [`Error::Invalid`] if the mesh lacks uvs, normals or tangents, or a setting is out of range;
-/// [`Error::Limit`] if uvs span too many copies of the map.
+/// [`Error::Limit`] if uvs span too many copies of the map; those of the scan's device.
 pub fn bake(input: BakeInput<'_>, settings: &BakeSettings, progress: Progress<'_>) -> Result<Baked> {
     let BakeInput { low, cage, scan } = input;
     check(low, settings)?;
@@ -107,6 +107,7 @@ pub fn bake(input: BakeInput<'_>, settings: &BakeSettings, progress: Progress<'_
         curvatures: if maps.has(Plane::Curvature) { mean_curvatures(scan.mesh()) } else { Vec::new() },
         alpha_modes: if reads_materials { scan.alpha_modes(low, cage) } else { Vec::new() },
         without_hit: scan.surface().first_factors(),
+        caster: scan.caster()?,
         layout,
         cage,
         scan,
@@ -158,6 +159,8 @@ struct Job<'a> {
     cage: &'a Cage,
     scan: &'a Scan,
     settings: &'a BakeSettings,
+    /// The device that casts rays; `None` for the CPU.
+    caster: Option<&'a dyn RayCaster>,
     sky: Option<Sky>,
     bevel: Option<Bevel>,
     /// The curvature at the scan's vertices.
@@ -212,23 +215,72 @@ impl Cells {
     }
 }
 
+/// Points whose sky is sampled, and their texels.
+#[derive(Default)]
+struct SkyPoints {
+    texels: Vec<u32>,
+    points: Vec<SkyPoint>,
+}
+
+/// Triangles in tiles whose rays a device casts together.
+#[derive(Default)]
+struct Batch<'a> {
+    triangles: Vec<TriangleSamples>,
+    /// The projection rays of all their samples.
+    rays: Vec<ProjectionRay<'a>>,
+}
+
+/// Adds the open parts of hemispheres to their texels.
+fn add_open(texels: &[u32], open: Vec<Open>, cells: &mut [Cell]) {
+    for (texel, open) in texels.iter().zip(open) {
+        let cell = &mut cells[*texel as usize];
+        cell.looked += open.looked;
+        cell.open += open.seen;
+        cell.bent += open.direction;
+    }
+}
+
 impl Job<'_> {
     /// Bakes all bands.
     fn bands(&self, bands: Vec<BandMaps<'_>>, progress: Progress<'_>) -> Result<BakeCounts> {
         let done = AtomicUsize::new(0);
         let bands: Vec<Mutex<BandMaps<'_>>> = bands.into_iter().map(Mutex::new).collect();
+        let report = || progress.at(done.load(Ordering::Relaxed) as f64 / bands.len() as f64);
         let counts = parallel::try_tasks(bands.len(), &|band| {
             // Each is locked only once.
-            let counts = self.band(band, &mut bands[band].lock().unwrap_or_else(PoisonError::into_inner));
-            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-            progress.at(done as f64 / bands.len() as f64).map(|()| counts)
+            let mut maps = bands[band].lock().unwrap_or_else(PoisonError::into_inner);
+            let counts = self.band(band, &mut maps, &report)?;
+            done.fetch_add(1, Ordering::Relaxed);
+            report().map(|()| counts)
         })?;
         Ok(counts.into_iter().fold(BakeCounts::default(), BakeCounts::and))
     }
 
-    fn band(&self, band: usize, maps: &mut BandMaps<'_>) -> BakeCounts {
+    /// Bakes a band; `report` fails if the work is cancelled.
+    fn band(
+        &self,
+        band: usize,
+        maps: &mut BandMaps<'_>,
+        report: &dyn Fn() -> Result<()>,
+    ) -> Result<BakeCounts> {
         let mut cells = Cells::new(maps.texels.len(), self.settings.maps);
-        let shared = self.layout.triangle_samples(band, |group| self.add_samples(group, &mut cells));
+        let shared = match self.caster {
+            None => self.layout.triangle_samples(band, |group| self.add_samples(group, &mut cells)),
+            Some(caster) => {
+                let (mut batch, mut done) = (Batch::default(), Ok(()));
+                let mut add =
+                    |batch: Batch<'_>| report().and_then(|()| self.add_batch(caster, batch, &mut cells));
+                let shared = self.layout.triangle_samples(band, |group| {
+                    batch.rays.extend(self.projections(group));
+                    batch.triangles.push(group.clone());
+                    if batch.rays.len() >= BATCH && done.is_ok() {
+                        done = add(std::mem::take(&mut batch));
+                    }
+                });
+                done.and_then(|()| add(batch))?;
+                shared
+            }
+        };
         let mut counts = BakeCounts { shared, ..BakeCounts::default() };
         for (i, cell) in cells.surfaces.iter().enumerate().filter(|(_, cell)| cell.samples > 0) {
             self.store(i, &cells, maps);
@@ -238,26 +290,65 @@ impl Job<'_> {
             counts.texels += 1;
             counts.missed_texels += usize::from(cell.missed > 0);
         }
-        counts
+        Ok(counts)
+    }
+
+    /// Returns the projection rays of a triangle in a tile.
+    fn projections(&self, group: &TriangleSamples) -> impl Iterator<Item = ProjectionRay<'_>> {
+        group.samples.iter().map(|sample| self.cage.projection_ray(self.layout.mesh, group.point(sample)))
     }
 
     /// Adds the scan's values at the samples of a triangle in a tile.
     fn add_samples(&self, group: &TriangleSamples, cells: &mut Cells) {
+        let projections: Vec<ProjectionRay<'_>> = self.projections(group).collect();
         let corners = self.layout.mesh.corners(group.triangle as usize);
-        let projections: Vec<ProjectionRay<'_>> = group
-            .samples
-            .iter()
-            .map(|sample| self.cage.projection_ray(self.layout.mesh, group.point(sample)))
-            .collect();
         let found = search(self.scan, group, corners, &projections);
-        let width = group.spacing(corners);
+        let SkyPoints { texels, points } = self.add_found(group, &projections, found, cells);
+        if let Some(sky) = self.sky.as_ref().filter(|_| !points.is_empty()) {
+            add_open(&texels, sky.open(self.seen(&projections), &points), &mut cells.surfaces);
+        }
+    }
+
+    /// The same for many triangles, with the rays of projections and occlusion cast by a device.
+    fn add_batch(&self, caster: &dyn RayCaster, batch: Batch<'_>, cells: &mut Cells) -> Result<()> {
+        let found = search_by(caster, self.scan, &batch.rays)?;
+        let (mut done, mut all) = (0, SkyPoints::default());
+        for group in &batch.triangles {
+            let own = done..done + group.samples.len();
+            done = own.end;
+            let points = self.add_found(group, &batch.rays[own.clone()], found[own].to_vec(), cells);
+            all.texels.extend(points.texels);
+            all.points.extend(points.points);
+        }
+        if let Some(sky) = self.sky.as_ref().filter(|_| !all.points.is_empty()) {
+            let open = sky.open_by(caster, &all.points, groups(&batch.rays))?;
+            add_open(&all.texels, open, &mut cells.surfaces);
+        }
+        Ok(())
+    }
+
+    /// Returns what the rays around the correspondences of a triangle's projection rays see. All of them have the same
+    /// objects.
+    fn seen<'s>(&'s self, projections: &[ProjectionRay<'s>]) -> Seen<'s> {
+        let among = projections.first().and_then(|projection| projection.among);
+        Seen { scan: self.scan, among: among.filter(|_| self.settings.isolated) }
+    }
+
+    /// Adds the scan's values at the correspondences of a triangle's samples. Returns the points whose sky is sampled.
+    fn add_found(
+        &self,
+        group: &TriangleSamples,
+        projections: &[ProjectionRay<'_>],
+        found: Vec<Option<Correspondence>>,
+        cells: &mut Cells,
+    ) -> SkyPoints {
+        let width = group.spacing(self.layout.mesh.corners(group.triangle as usize));
         let draws_edges = self.settings.maps.has(MapKind::Wireframe);
         let edges = draws_edges.then(|| group.edges(self.layout.side));
-        let mut ao_samples = Vec::new();
-        // All rays of a triangle have the same objects.
-        let among = projections.first().and_then(|projection| projection.among);
-        let seen = Seen { scan: self.scan, among: among.filter(|_| self.settings.isolated) };
-        for ((sample, projection), found) in group.samples.iter().zip(&projections).zip(found) {
+        let opens = self.settings.maps.has_any(&[MapKind::Occlusion, MapKind::Bent]);
+        let mut sky_points = SkyPoints::default();
+        let seen = self.seen(projections);
+        for ((sample, projection), found) in group.samples.iter().zip(projections).zip(found) {
             let cell = &mut cells.surfaces[sample.texel as usize];
             self.add_frame(group.point(sample), cell);
             cell.edges += u32::from(edges.as_ref().is_some_and(|edges| edges.is_near(sample)));
@@ -270,37 +361,25 @@ impl Job<'_> {
             let points = cells.points.get_mut(sample.texel as usize);
             let [x, y] = sample.at.map(|v| u32::from(v) % self.layout.side);
             let class = y * self.layout.side + x;
-            let ao_sample = self.sky.as_ref().map(|sky| (sky, sky.ao_sample(self.scan, &found, class)));
+            let sky_point = self.sky.as_ref().map(|sky| (sky, sky.point(seen, &found, class)));
             if let Some(sums) = points {
                 sums.add(self.scan, found.point);
                 sums.add_way(found.point.position(self.scan.mesh()) - projection.point);
                 if let Some(bevel) = &self.bevel {
                     sums.add_bevel(bevel.normal(seen, &found, class));
                 }
-                if let Some((sky, ao_sample)) = &ao_sample
+                if let Some((sky, sky_point)) = &sky_point
                     && self.settings.maps.has(MapKind::Thickness)
                 {
-                    sums.add_depth(sky.depth(seen, ao_sample));
+                    sums.add_depth(sky.depth(seen, sky_point));
                 }
             }
-            if let Some((_, ao_sample)) = ao_sample {
-                ao_samples.push((sample.texel, ao_sample));
+            if let Some((_, sky_point)) = sky_point.filter(|_| opens) {
+                sky_points.texels.push(sample.texel);
+                sky_points.points.push(sky_point);
             }
         }
-        if self.settings.maps.has_any(&[MapKind::Occlusion, MapKind::Bent]) {
-            self.add_sky(seen, ao_samples, &mut cells.surfaces);
-        }
-    }
-
-    fn add_sky(&self, seen: Seen<'_>, ao_samples: Vec<(u32, AoSample)>, cells: &mut [Cell]) {
-        let Some(sky) = &self.sky else { return };
-        let (texels, ao_samples): (Vec<u32>, Vec<AoSample>) = ao_samples.into_iter().unzip();
-        for (texel, open) in texels.into_iter().zip(sky.open(seen, &ao_samples)) {
-            let cell = &mut cells[texel as usize];
-            cell.looked += open.looked;
-            cell.open += open.seen;
-            cell.bent += open.direction;
-        }
+        sky_points
     }
 
     /// Adds the low-poly mesh's frame at a sample.

@@ -24,6 +24,7 @@ mod map_errors;
 mod maps;
 mod noise;
 mod pixel_gradients;
+mod ray_device;
 mod rays;
 mod remesh;
 mod sampling;

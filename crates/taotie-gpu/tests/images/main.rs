@@ -1,4 +1,4 @@
-//! Compares whole images by a GPU with those by the CPU.
+//! Compares whole images, and baked maps, by a GPU with those by the CPU.
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "tests report what they found")]
 
 #[path = "../../../../tests/common/mod.rs"]
@@ -19,6 +19,7 @@ mod scenes;
 #[allow(dead_code, reason = "other tests use the rest")]
 mod skies;
 
+mod bakes;
 mod compared;
 mod holes;
 mod host;

@@ -162,7 +162,11 @@ struct Sources {
 
 /// Returns the need of a bake for a scan that is already read and one mesh.
 fn need_of(options: &BakeOptions, scan: &Scan) -> MemoryEstimate {
-    MemoryEstimate { is_sorted: scan.is_sorted(), ..MemoryEstimate::of(options, scan.about.size.joined()) }
+    let need = MemoryEstimate {
+        is_sorted: scan.is_sorted(),
+        ..MemoryEstimate::of(options, scan.about.size.joined())
+    };
+    if scan.device.is_some() { need.with_device() } else { need }
 }
 
 /// The surfaces that a bake starts from.

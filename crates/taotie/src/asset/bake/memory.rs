@@ -2,7 +2,7 @@
 
 use crate::asset::ask::{BakeOptions, Packing};
 use crate::asset::source::ScanSize;
-use taotie_engine::bake::{MapKind, Maps, MatchRule, REMESH_BYTES, bytes_of_bands};
+use taotie_engine::bake::{MapKind, Maps, MatchRule, REMESH_BYTES, bytes_of_bands, bytes_on_device};
 use taotie_engine::error::{Error, Result};
 use taotie_engine::math::Vec3;
 use taotie_engine::surface::{NoiseHandling, denoising_bytes};
@@ -46,6 +46,9 @@ pub struct MemoryEstimate {
     pub texel_bytes: u64,
     /// Bytes of the bands of texels that threads bake concurrently.
     pub band_bytes: u64,
+    /// Bytes for a device that casts rays instead of the CPU; 0 without one.
+    #[serde(default)]
+    pub device_bytes: u64,
     /// Bytes per texel over all maps as stored.
     pub stored_bytes: u64,
     /// The maximum number of stored maps.
@@ -83,6 +86,7 @@ impl MemoryEstimate {
             texels: size.map(u64::from).iter().product(),
             texel_bytes: texel_bytes(options, scan.carries),
             band_bytes: bytes_of_bands(size, options.side, wanted),
+            device_bytes: 0,
             stored_bytes: wanted.iter().map(|map| codes(options, map)).sum(),
             maps,
             materials: 1,
@@ -98,6 +102,11 @@ impl MemoryEstimate {
     /// Returns the need of a bake that is written with this packing; the default is PNG.
     pub fn with_packing(self, packing: &Packing) -> Self {
         Self { images: packing.images, packs_channels: !packing.channels.is_empty(), ..self }
+    }
+
+    /// Returns the need of a bake whose rays are cast by a device other than the CPU.
+    pub fn with_device(self) -> Self {
+        Self { device_bytes: bytes_on_device(self.scan.triangles, self.scan.vertices), ..self }
     }
 
     /// Returns the need of a bake whose asset is measured against the scan afterwards.
@@ -158,7 +167,8 @@ impl MemoryEstimate {
         let sorting = self.scan.triangles * SORTING;
         // Materials are baked one after the other.
         let stored = self.stored_of(self.materials.saturating_sub(1));
-        let maps = (self.texels * self.texel_bytes).saturating_add(self.band_bytes);
+        let bands = self.band_bytes.saturating_add(self.device_bytes);
+        let maps = (self.texels * self.texel_bytes).saturating_add(bands);
         let scan = self.scan.bytes().saturating_add(self.denoised()[0]).saturating_add(self.uv_index());
         scan.saturating_add(sorting.max(maps)).saturating_add(stored)
     }
@@ -320,6 +330,7 @@ mod tests {
             texels: 1 << 22,
             texel_bytes: 20,
             band_bytes: 0,
+            device_bytes: 0,
             stored_bytes: 8,
             maps: 2,
             materials: 1,
@@ -349,6 +360,11 @@ mod tests {
         let framed = ScanSize { framed_triangles: 20_000_000, framed_vertices: 10_000_000, ..size };
         assert!(need(framed) > 8 << 30, "{}", need(framed));
         assert_eq!(need(framed.joined()), need(size));
+        let on_device = MemoryEstimate::of(&BakeOptions::default(), size).with_device();
+        let batches = (rayon::current_num_threads() as u64) << 26;
+        assert_eq!(on_device.device_bytes, 20_000_000 * (32 + 16) + batches + (96 << 20));
+        // Simplification takes a little more than baking without a device.
+        assert!(on_device.bytes().0 - need(size) > on_device.device_bytes / 2);
         let textured = ScanSize { texture_bytes: 1 << 30, ..size };
         assert_eq!(need(textured), need(size) + (1 << 30));
     }

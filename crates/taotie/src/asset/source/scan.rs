@@ -12,7 +12,7 @@ use super::size::{
 };
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
-use taotie_engine::bake::{self, Remeshed, TexturedMesh, Visibility};
+use taotie_engine::bake::{self, RayDevice, Remeshed, TexturedMesh, Visibility};
 use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::length::Unit;
 use taotie_engine::mesh::Mesh;
@@ -129,6 +129,8 @@ pub struct Scan {
     sorted: Arc<OnceLock<bake::Scan>>,
     /// `true` if its noise was removed, so that it is not as in its file.
     pub(in crate::asset) is_denoised: bool,
+    /// The device that casts the rays of bakes; `None` for the CPU.
+    pub(in crate::asset) device: Option<Arc<dyn RayDevice>>,
     /// Its watertight outer surface; empty until needed.
     remeshed: Arc<OnceLock<Remeshed>>,
     pub(in crate::asset) about: Arc<About>,
@@ -326,6 +328,7 @@ impl ScanFile {
             Ok(Scan {
                 surface,
                 sorted: Arc::default(),
+                device: None,
                 remeshed: Arc::default(),
                 is_denoised: false,
                 about: Arc::new(about),
@@ -373,8 +376,14 @@ impl Scan {
         }
     }
 
+    /// Returns the scan with a device that casts the rays of its bakes instead of the CPU.
+    pub fn cast_by(self, device: Arc<dyn RayDevice>) -> Self {
+        Self { device: Some(device), sorted: Arc::default(), ..self }
+    }
+
     fn made_sorted(&self) -> bake::Scan {
-        bake::Scan::of(Arc::clone(&self.surface)).with_objects(Arc::clone(&self.about.objects.of_instances))
+        let objects = Arc::clone(&self.about.objects.of_instances);
+        bake::Scan::of(Arc::clone(&self.surface)).with_objects(objects).cast_by(self.device.clone())
     }
 
     /// Calls `work` with the triangles sorted for rays. If they were not sorted before, the tree is dropped
