@@ -1,13 +1,14 @@
 """Compares Taotie with other programs: `make bench`.
 
 Measures each part with the program of its folder, and writes the summary and the sections of docs/benchmarks.md. A part
-that is not measured must have been, by an earlier run, after the programs were built. If other programs disturbed
+that is not measured must have been, by an earlier run of the same programs. If other programs disturbed
 more than a tenth of the measurements of a part, the page is not written and the exit code is not 0.
 """
 
 import argparse
 import contextlib
 import datetime
+import hashlib
 import os
 import shutil
 import subprocess
@@ -75,11 +76,34 @@ def measure(args, part):
     return rows.load(report_path(args, part))
 
 
+def renewed(args, part):
+    """The report of a part, measured now."""
+    report = measure(args, part)
+    with open(programs_path(args, part), "w", encoding="utf-8") as file:
+        file.write(digest(args.programs))
+    return report
+
+
 def earlier(args, part):
     """The report of an earlier run of the same programs; None without one."""
-    path, program = report_path(args, part), os.path.join(args.programs, "taotie")
-    is_newer = os.path.exists(path) and os.path.getmtime(path) > os.path.getmtime(program)
-    return rows.load(path) if is_newer else None
+    with contextlib.suppress(FileNotFoundError), open(programs_path(args, part), encoding="utf-8") as file:
+        if file.read() == digest(args.programs):
+            return rows.load(report_path(args, part))
+    return None
+
+
+def programs_path(args, part):
+    """The file with the digest of the programs that a report is about."""
+    return os.path.join(args.folder, f"{part}.programs")
+
+
+def digest(programs):
+    """The SHA-256 of both programs, one after the other."""
+    both = hashlib.sha256()
+    for path in (os.path.join(programs, "taotie"), measured.frames(programs)):
+        with open(path, "rb") as file:
+            both.update(file.read())
+    return both.hexdigest()
 
 
 def dates(args, parts):
@@ -115,7 +139,7 @@ def main():
         for target in ("bench", *map(mark, PARTS)):
             page.around(args.page, target)  # fails now rather than after half an hour
         require_quiet()
-    new = {part: measure(args, part) for part in PARTS if part in args.only}
+    new = {part: renewed(args, part) for part in PARTS if part in args.only}
     reports = {part: new.get(part) or (earlier(args, part) if args.is_whole else None) for part in PARTS}
     reports = {part: report for part, report in reports.items() if report}
     here = machine.described(os.path.join(args.programs, "taotie"))

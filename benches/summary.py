@@ -40,7 +40,8 @@ def verdict(row):
     if row.is_busy():
         return "busy: no conclusion"
     least, greatest = row.spread()
-    who = "even" if least < 1 < greatest else "the peer wins" if row.ratio() < 1 else "Taotie wins"
+    who = "the peer wins" if row.ratio() < 1 else "Taotie wins"
+    who += " (rounds disagree)" if least < 1 < greatest else ""
     if row.goal is None:
         return who
     return f"{who}; goal {'met' if row.ratio() >= row.goal else 'missed'}"
@@ -76,8 +77,9 @@ def counts(rows):
 
 
 def is_refused(report):
-    """Whether other programs disturbed too many measurements of the part for a page."""
-    return report.busy > max(1, TOLERATED * report.measured)
+    """Whether other programs disturbed too many measurements or rows of the part for a page."""
+    disturbed = sum(row.is_busy() for row in report.rows)
+    return report.busy > max(1, TOLERATED * report.measured) or disturbed > TOLERATED * len(report.rows)
 
 
 def versions(reports):
@@ -99,8 +101,8 @@ def text(machine, dates, reports):
 
 ABOUT = (
     "`make bench` runs Taotie and each peer in alternation. A ratio is the peer's time or memory divided by Taotie's, "
-    "the median over the rounds, with the least and greatest in brackets: above 1, Taotie is better. “Even” means that "
-    "the rounds disagree. First come the rows that a peer wins, then missed goals, then the rest, of which rows without "
+    "the median over the rounds, with the least and greatest in brackets: above 1, Taotie is better. Rounds disagree if "
+    "some are above 1 and some below. First come the rows that a peer wins, then missed goals, then the rest, of which rows without "
     "a goal only name the nearest peer of a comparison: the others are in the sections below, as multiples of Taotie's. "
     "A measurement during which other programs, or other virtual machines, used more than {limit:.0f} % of the processor "
     "is repeated once; if it is disturbed again, it has no ratio."

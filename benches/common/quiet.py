@@ -1,4 +1,4 @@
-"""The part of the processor that other programs use while something is measured; on Linux only."""
+"""The share of CPU time that other programs use while something is measured; on Linux only."""
 
 import contextlib
 import dataclasses
@@ -7,16 +7,18 @@ import time
 
 from command import say
 
-# The largest part at which a measurement counts. Above the error of the counts on two busy cores, in 60 windows of half a
-# second at most 4 %, in 30 of 1.5 seconds 1.7 %; another program that computes uses a third or more of two cores.
+# The largest share at which a measurement counts. It is above the counting error, which was at most 4 % in 60 samples of
+# half a second on two busy cores, and 1.7 % in 30 of 1.5 seconds. Another program that computes uses a third or more.
 LIMIT = 0.05
-# The seconds of a look at the machine while nothing is measured.
+# Fewer ticks than these are rounding, however short the measurement.
+LEAST = 10
+# The seconds of a sample while nothing is measured.
 LOOK = 0.5
 
 
 @dataclasses.dataclass(frozen=True)
 class Load:
-    """Clock ticks of all processors together, and those that other programs and machines used."""
+    """Clock ticks of this program's processors together, and those that other programs and machines used."""
 
     all: int = 0
     others: int = 0
@@ -28,9 +30,9 @@ class Load:
         return Load(self.all - other.all, self.others - other.others)
 
     def share(self):
-        """The part in use by others, from 0 to 1. Ticks are counted separately for processes and the machine, so a
-        difference may be slightly negative."""
-        return max(0.0, self.others / self.all) if self.all else 0.0
+        """The share in use by others, from 0 to 1. Ticks are counted separately for processes and the machine, so a few
+        mean nothing."""
+        return self.others / self.all if self.others >= LEAST else 0.0
 
 
 class Watch:
@@ -48,16 +50,16 @@ class Watch:
             self.loads[key] = self.loads.get(key, Load()) + reading() - before
 
     def share(self, *keys):
-        """The part in use by others during the turns of these keys."""
-        return sum((self.loads.get(key, Load()) for key in keys), Load()).share()
+        """The largest share in use by others during the turns of one of these keys."""
+        return max((self.loads.get(key, Load()).share() for key in keys), default=0.0)
 
     def is_busy(self, *keys):
         """Whether others used too much during the turns of these keys."""
         return self.share(*keys) > LIMIT
 
     def most(self):
-        """The largest part in use by others during the turns of a key."""
-        return max((load.share() for load in self.loads.values()), default=0.0)
+        """The largest share in use by others during the turns of a key."""
+        return self.share(*self.loads)
 
 
 def undisturbed(attempt):
@@ -76,7 +78,7 @@ def _watched(attempt):
 
 
 def settle(patience=10.0):
-    """Waits until others use at most `LIMIT` of the processor, but no more than `patience` seconds; the part in use."""
+    """Waits until others use at most `LIMIT` of the processor, but no more than `patience` seconds; the share in use."""
     until = time.monotonic() + patience
     while True:
         before = reading()
@@ -91,17 +93,24 @@ def reading():
     that the hypervisor gave to other machines. Zero if the system does not report it."""
     try:
         with open("/proc/stat", encoding="utf-8") as file:
-            total, used = of_machine(file.readline())
+            total, used = of_machine(file.read(), affinity())
     except OSError:
         return Load()
     return Load(total, used - of_family(processes(), os.getpid()))
 
 
-def of_machine(line):
-    """Ticks in total and in use, with those stolen, of the first line of /proc/stat. Guests are part of `user`."""
-    ticks = [int(word) for word in line.split()[1:9]]
-    idle, waiting = ticks[3:5]
-    return sum(ticks), sum(ticks) - idle - waiting
+def affinity():
+    """The processors that this program may use."""
+    return os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else range(os.cpu_count() or 1)
+
+
+def of_machine(text, processors):
+    """Ticks in total and in use, with those stolen, of some processors in /proc/stat. Guests are part of `user`."""
+    names = {f"cpu{number}" for number in processors}
+    lines = [line.split() for line in text.splitlines()]
+    ticks = [[int(word) for word in words[1:9]] for words in lines if words and words[0] in names]
+    total, unused = sum(map(sum, ticks)), sum(sum(each[3:5]) for each in ticks)
+    return total, total - unused
 
 
 def processes():

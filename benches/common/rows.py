@@ -10,8 +10,8 @@ from page import two_digits
 
 @dataclasses.dataclass(frozen=True)
 class Row:
-    """The figures of Taotie and a peer in each round, in `unit`: s, ms or MiB. `goal` is the least ratio wanted, None
-    without one; `load` the part of the processor that other programs used meanwhile."""
+    """The figures of Taotie and a peer in each round, in `unit`: s, ms or MiB. `goal` is the minimum ratio, None
+    without one; `load` the share of CPU time that other programs used meanwhile."""
 
     case: str
     peer: str

@@ -20,8 +20,7 @@ pub enum Device {
     /// GPU, or a software implementation such as Mesa's lavapipe: nearly the same result, whose last digits depend on
     /// card and driver
     Gpu,
-    /// GPU if there is one, otherwise CPU. Software GPUs do not count, since the CPU is faster; output variables and the
-    /// reference integrator need the CPU
+    /// GPU if there is one, otherwise CPU. Software GPUs do not count, since the CPU is faster
     Auto,
 }
 

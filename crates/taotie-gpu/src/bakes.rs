@@ -24,6 +24,9 @@ const PROJECTIONS: u32 = 1 << 17;
 const DIRECTIONS: u32 = 1 << 23;
 const FEWEST_POINTS: u32 = 1 << 11;
 
+/// Triangles whose index does not fit the words of a box.
+const MOST_TRIANGLES: usize = 1 << 28;
+
 /// The bytes that are uploaded before the GPU has taken them.
 const PIECE: usize = 1 << 24;
 
@@ -320,10 +323,10 @@ fn check_size(gpu: &Gpu, scan: &Scan) -> Result<()> {
     let (triangles, vertices) = (mesh.triangles().len(), mesh.positions().len());
     let largest = (triangles * size_of::<[u32; 4]>()).max(vertices * size_of::<Vertex>()) as u64;
     let most = gpu.limits.max_storage_buffer_binding_size.min(gpu.limits.max_buffer_size);
-    if largest <= most {
+    if largest <= most && triangles < MOST_TRIANGLES {
         return Ok(());
     }
-    let fitting = (triangles as f64 * (most as f64 / largest as f64)) as u64;
+    let fitting = ((triangles as f64 * (most as f64 / largest as f64)) as u64).min(MOST_TRIANGLES as u64 - 1);
     Err(gpu.too_large("the scan", format!("{triangles} triangles"), format!("about {fitting}")))
 }
 

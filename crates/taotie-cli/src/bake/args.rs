@@ -170,8 +170,8 @@ pub struct BakeArgs {
     #[arg(long, value_name = "FILE", requires = "low", help_heading = "Rays")]
     pub cage: Option<PathBuf>,
 
-    /// Device that casts the rays of projections, ao and bent; the CPU casts all others. Only maps by the CPU are
-    /// bit-identical everywhere
+    /// Device that casts projection, ao and bent rays; the CPU casts all others. Only maps by the CPU are bit-identical
+    /// everywhere. A scan that does not fit the GPU is an error, with auto too
     #[arg(long, value_enum, default_value_t = Device::Cpu, help_heading = "Rays")]
     pub device: Device,
 

@@ -68,7 +68,8 @@ pub struct RenderArgs {
 
     #[command(flatten)]
     pub integrator: IntegratorArgs,
-    /// Device to render on; only images from the CPU are bit-identical everywhere
+    /// Device to render on; only images from the CPU are bit-identical everywhere. Output variables and the reference
+    /// integrator need the CPU, which auto then chooses
     #[arg(long, value_enum, default_value_t = Device::Cpu, help_heading = "Integrator")]
     pub device: Device,
 

@@ -256,8 +256,9 @@ pub(super) fn search(
 /// Returns the correspondence of each projection ray, as [`Scan::project`] finds it, with the hits found by a device.
 ///
 /// The device only names triangles, which are intersected again here. If that fails, or if it named none, the ray is
-/// cast here too: so no ray slips through between triangles, and heights and normals do not depend on how the device
-/// rounds.
+/// cast here too: so rays do not pass between the triangles of a single sheet, and heights and normals do not depend on
+/// how the device rounds. Where two sheets face the same way within the ray's length, a device that misses the nearer one
+/// at an edge names the other.
 ///
 /// # Errors
 /// Those of the device.

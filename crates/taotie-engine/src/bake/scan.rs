@@ -58,7 +58,8 @@ pub trait RayCaster: Send + Sync {
     fn open(&self, sky: SkyRays<'_>, points: &[SkyPoint], groups: &[Option<u32>]) -> Result<Vec<Open>>;
 }
 
-/// The number of rays from which a [`RayCaster`] gets them: enough for all cores of a GPU.
+/// The number of rays after which a batch is passed to a [`RayCaster`]: enough for all cores of a GPU. The last batch of
+/// each band of a map is smaller.
 pub(super) const BATCH: usize = 1 << 17;
 
 /// Returns the memory in bytes that a bake needs in addition if a [`RayDevice`] casts its rays: batches of all threads,
@@ -138,8 +139,8 @@ impl Scan {
     /// Takes over an asset made from a scan: it is seen from the same viewpoints, and backfaces that no renderer
     /// draws hide nothing.
     ///
+    /// # Errors
     /// As [`Scan::new`].
-    /// As those of [`Scan::new`].
     pub fn of_asset(scene: Scene, scan: &Scan) -> Result<Self> {
         let surface = Arc::new(Self::surface_of(scene)?);
         Ok(Self::with_sights(surface, |_| scan.sights.of_asset()))
@@ -183,6 +184,14 @@ impl Scan {
             self.caster.get_or_init(|| loaded);
         }
         Ok(self.caster.get().map(Box::as_ref))
+    }
+
+    /// Uploads the triangles to the device that casts the rays of bakes, if there is one.
+    ///
+    /// # Errors
+    /// As [`RayDevice::load`].
+    pub fn load_on_device(&self) -> Result<()> {
+        self.caster().map(|_| ())
     }
 
     /// Joins parts into objects: one number for each instance of its scene.

@@ -271,9 +271,12 @@ impl Job<'_> {
                 let mut add =
                     |batch: Batch<'_>| report().and_then(|()| self.add_batch(caster, batch, &mut cells));
                 let shared = self.layout.triangle_samples(band, |group| {
+                    if done.is_err() {
+                        return;
+                    }
                     batch.rays.extend(self.projections(group));
                     batch.triangles.push(group.clone());
-                    if batch.rays.len() >= BATCH && done.is_ok() {
+                    if batch.rays.len() >= BATCH {
                         done = add(std::mem::take(&mut batch));
                     }
                 });
@@ -327,8 +330,8 @@ impl Job<'_> {
         Ok(())
     }
 
-    /// Returns what the rays around the correspondences of a triangle's projection rays see. All of them have the same
-    /// objects.
+    /// Returns the surfaces that rays around the correspondences of a triangle's projection rays see. All of them have the
+    /// same objects.
     fn seen<'s>(&'s self, projections: &[ProjectionRay<'s>]) -> Seen<'s> {
         let among = projections.first().and_then(|projection| projection.among);
         Seen { scan: self.scan, among: among.filter(|_| self.settings.isolated) }

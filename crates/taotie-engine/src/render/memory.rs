@@ -96,8 +96,8 @@ fn prepared_bytes(scene: &Scene, settings: &RenderSettings) -> u64 {
     const VERTEX: u64 = 40 + 32;
     /// A triangle prepared for tiles, and its entries in them.
     const TRIANGLE: u64 = 12 + 48;
-    /// Corners, order, boxes and sort keys of the tree.
-    const TREE: u64 = 49 + 32;
+    /// Leaves of the tree that are 60 % full, their triangles, nodes, and the boxes that are split.
+    const TREE: u64 = 80 + 32;
     /// A placed instance, and the text stored with its name.
     const INSTANCE: u64 = 1280;
     /// Positions in the image and entries in tiles, of output variables too if they are drawn apart.

@@ -286,7 +286,8 @@ impl Bvh {
     /// assert_eq!((flat.boxes.len(), flat.boxes[0].triangles.clone(), flat.order), (1, 0..1, vec![0]));
     /// ```
     pub fn flat(&self) -> FlatBvh {
-        let mut flat = FlatBvh::default();
+        let (boxes, triangles) = self.tree.counts();
+        let mut flat = FlatBvh { boxes: Vec::with_capacity(boxes), order: Vec::with_capacity(triangles) };
         if let Some(root) = self.tree.root() {
             self.flatten(root, &mut flat);
         }

@@ -1,18 +1,18 @@
 //! Rays against triangles. Finds hits, never colours.
 
 mod bvh;
+mod by_area;
 mod nearby;
-mod packet_walk;
+mod packet;
 mod ray;
-mod ray_packet;
 mod sweep;
 mod tree;
 
 pub use bvh::{Bvh, FlatBox, FlatBvh, Hit, Nearest, RayInterval};
 pub use nearby::Closest;
 pub(crate) use nearby::farthest_distance;
+pub use packet::{PacketOrigins, PacketView, ParallelRays, RayPacket};
 pub use ray::Ray;
-pub use ray_packet::{PacketOrigins, PacketView, ParallelRays, RayPacket};
 pub(crate) use sweep::{EightTriangles, Sweep};
 
 /// Numbers for the tests of this module.

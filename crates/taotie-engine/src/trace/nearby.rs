@@ -1,6 +1,7 @@
 //! The closest point of a surface to a given one, and the triangles within a distance of it.
 
-use super::tree::{Boxes, Child, Leaf, STACK, Tree, WIDTH};
+use super::by_area::WIDTH;
+use super::tree::{Boxes, Child, Leaf, STACK, Tree};
 use crate::math::{Lane, Mask, Pack, Vec3, dispatch_eight};
 use crate::mesh::Point;
 use arrayvec::ArrayVec;

@@ -1,7 +1,8 @@
 //! A ray, its watertight intersection with triangles, and its traversal of a tree, eight boxes or eight triangles at
 //! a time.
 
-use super::tree::{Boxes, Child, Leaf, STACK, Tree, WIDTH};
+use super::by_area::WIDTH;
+use super::tree::{Boxes, Child, Leaf, STACK, Tree};
 use crate::math::{Mask, Pack, Vec3};
 use arrayvec::ArrayVec;
 

@@ -1,7 +1,8 @@
 //! Visits all triangles in one direction.
 
 use super::bvh::Bvh;
-use super::tree::{Boxes, Child, Leaf, WIDTH};
+use super::by_area::WIDTH;
+use super::tree::{Boxes, Child, Leaf};
 use crate::math::Vec3;
 use std::cmp::Ordering;
 

@@ -1,25 +1,19 @@
 //! Triangles in boxes, up to eight in each, and up to eight boxes in each larger one: packed eight by eight along
 //! Hilbert's curve, which is quick, or split by surface area, for many rays.
 //!
-//! Packed boxes take 3.6 bytes per triangle.
-//! Sources: Kamel and Faloutsos 1993, "On packing R-trees"; Wald 2007, "On fast construction of SAH-based bounding
-//! volume hierarchies"; Wald, Benthin and Boulos 2008, "Getting rid of packets".
+//! Packed nodes take 4.1 bytes per triangle.
+//! Source: Kamel and Faloutsos 1993, "On packing R-trees".
 
+use super::by_area::{Branch, Corners, DEEP, WIDTH, split_by_area};
 use crate::math::Vec3;
 use crate::parallel;
 use arrayvec::ArrayVec;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// The maximum number of children of a node, and of triangles in a leaf.
-pub(super) const WIDTH: usize = 8;
-
 /// The maximum number of nodes that wait during a traversal: seven siblings on each level. Below [`DEEP`] levels, nodes
 /// have equal halves, and 11 levels hold 2^32 triangles.
 pub(super) const STACK: usize = (WIDTH - 1) * (DEEP + 11) + 1;
-
-/// The number of levels below which nodes are no longer split by surface area.
-const DEEP: usize = 11;
 
 /// The boxes of up to eight children, coordinate by coordinate; those of absent ones are empty.
 #[derive(Debug, Clone, Copy)]
@@ -149,9 +143,6 @@ impl Leaf {
     }
 }
 
-/// Returns the finite corners of a triangle. Called through a pointer, so that all trees share the same code.
-pub(super) type Corners<'a> = &'a (dyn Fn(usize) -> [Vec3; 3] + Sync);
-
 /// The tree.
 pub(super) struct Tree {
     /// The triangle in each slot of each leaf, in the order given; [`Tree::NONE`] in absent ones, which are the last.
@@ -169,6 +160,11 @@ impl Tree {
     /// Returns the node or leaf that contains everything.
     pub fn root(&self) -> Option<Child> {
         self.root
+    }
+
+    /// Returns the number of nodes and leaves, and an upper bound of the number of triangles.
+    pub fn counts(&self) -> (usize, usize) {
+        (self.nodes.len() + self.leaves.len(), self.slots.len())
     }
 
     /// Returns a node that is not a leaf.
@@ -193,7 +189,9 @@ impl Tree {
     /// Builds the tree of triangles, at most 2^32 − 1, in which every eight in `order` share a leaf.
     pub fn packed(order: Vec<u32>, corners: Corners<'_>) -> Self {
         let mut slots = order;
-        slots.resize(slots.len().next_multiple_of(WIDTH), Self::NONE);
+        let count = slots.len().next_multiple_of(WIDTH);
+        slots.reserve_exact(count - slots.len());
+        slots.resize(count, Self::NONE);
         let (leaves, slack) = leaves(&slots, corners);
         let mut nodes =
             packed_level(0..leaves.len(), |i| (Child::leaf(i), widened(leaves[i].bounds(), slack)));
@@ -212,17 +210,13 @@ impl Tree {
     /// children have a small surface area.
     ///
     /// This takes five to ten times as long as packing. Large triangles among small ones, such as the walls around a
-    /// scan, get boxes of their own, whereas packed along a curve, each would enlarge another box.
+    /// scan, get separate boxes, whereas packed along a curve, each would enlarge another box.
     pub fn by_area(count: usize, corners: Corners<'_>) -> Self {
-        let mut items = parallel::collect(count, |t| Item::new(t, corners(t)));
         let mut lists = Lists::default();
-        if !items.is_empty() {
-            let branch = match branch(&mut items, 0) {
-                Branch::Leaf(leaf) => Branch::Node(vec![Branch::Leaf(leaf)]),
-                node => node,
-            };
-            drop(items);
-            lists.add(branch);
+        match split_by_area(count, corners) {
+            Branch::Leaf(leaf) if leaf.is_empty() => {}
+            Branch::Leaf(leaf) => _ = lists.add(Branch::Node(vec![Branch::Leaf(leaf)])),
+            node => _ = lists.add(node),
         }
         let Lists { slots, children } = lists;
         let (leaves, slack) = leaves(&slots, corners);
@@ -399,150 +393,6 @@ fn spread_bits(v: u32) -> u64 {
     (v | v << 2) & 0x1249_2492_4924_9249
 }
 
-/// A triangle, represented by its box.
-#[derive(Debug, Clone, Copy, Default)]
-struct Item {
-    min: [f32; 3],
-    max: [f32; 3],
-    number: u32,
-}
-
-impl Item {
-    fn new(number: usize, corners: [Vec3; 3]) -> Self {
-        let [a, b, c] = corners.map(Vec3::to_array);
-        let each = |pick: fn(f32, f32) -> f32| [0, 1, 2].map(|axis| pick(pick(a[axis], b[axis]), c[axis]));
-        Self { min: each(f32::min), max: each(f32::max), number: number as u32 }
-    }
-
-    #[inline(always)]
-    fn center(&self, axis: usize) -> f32 {
-        self.min[axis] * 0.5 + self.max[axis] * 0.5
-    }
-}
-
-/// A part of a tree before it is stored.
-enum Branch {
-    Leaf(ArrayVec<u32, WIDTH>),
-    Node(Vec<Self>),
-}
-
-/// Splits triangles into a tree; `depth` is the number of nodes above.
-fn branch(items: &mut [Item], depth: usize) -> Branch {
-    /// The parts of a node with at least this number of triangles are split in parallel.
-    const APART: usize = 4096;
-    if items.len() <= WIDTH {
-        items.sort_unstable_by_key(|item| item.number);
-        return Branch::Leaf(items.iter().map(|item| item.number).collect());
-    }
-    let is_large = items.len() >= APART;
-    let parts = parts(items, depth);
-    Branch::Node(match is_large {
-        true => parts.into_par_iter().map(|part| branch(part, depth + 1)).collect(),
-        false => parts.into_iter().map(|part| branch(part, depth + 1)).collect(),
-    })
-}
-
-/// Splits the triangles of a node among its children: the part of the highest cost first, until there are eight.
-fn parts(items: &mut [Item], depth: usize) -> Vec<&mut [Item]> {
-    let cost = |items: &[Item]| match depth < DEEP {
-        true => Part::of(items).cost(),
-        false => items.len() as f32,
-    };
-    let mut parts = vec![(cost(items), items)];
-    while parts.len() < WIDTH {
-        let large = parts.iter().enumerate().filter(|(_, (_, items))| items.len() > WIDTH);
-        let rank = |part: &(f32, &mut [Item])| (part.0, part.1.len());
-        let costly = large.max_by(|(_, a), (_, b)| {
-            let ((a, of_a), (b, of_b)) = (rank(a), rank(b));
-            a.total_cmp(&b).then(of_a.cmp(&of_b))
-        });
-        let Some((costly, _)) = costly else { break };
-        let (_, items) = parts.swap_remove(costly);
-        let middle = if depth < DEEP { split(items) } else { items.len() / 2 };
-        let (left, right) = items.split_at_mut(middle);
-        parts.extend([left, right].map(|items| (cost(items), items)));
-    }
-    parts.into_iter().map(|(_, items)| items).collect()
-}
-
-/// Triangles of a node, by their number and box.
-#[derive(Clone, Copy)]
-struct Part {
-    count: usize,
-    min: [f32; 3],
-    max: [f32; 3],
-}
-
-impl Part {
-    const EMPTY: Self = Self { count: 0, min: [f32::INFINITY; 3], max: [f32::NEG_INFINITY; 3] };
-
-    fn of(items: &[Item]) -> Self {
-        let mut part = Self::EMPTY;
-        items.iter().for_each(|item| part.add(1, item.min, item.max));
-        part
-    }
-
-    #[inline(always)]
-    fn add(&mut self, count: usize, min: [f32; 3], max: [f32; 3]) {
-        self.count += count;
-        for axis in 0..3 {
-            self.min[axis] = self.min[axis].min(min[axis]);
-            self.max[axis] = self.max[axis].max(max[axis]);
-        }
-    }
-
-    /// Returns the cost for rays: half of the surface area of the box times the number of leaves that it needs.
-    fn cost(&self) -> f32 {
-        let [x, y, z] = [0, 1, 2].map(|axis| self.max[axis] - self.min[axis]);
-        (x * y + y * z + z * x) * self.count.div_ceil(WIDTH) as f32
-    }
-}
-
-/// Moves triangles to the front, and returns their number, so that the costs of both parts are small: the best border
-/// between a few bins along each axis. Source: MacDonald and Booth 1990, "Heuristics for ray tracing using space
-/// subdivision".
-fn split(items: &mut [Item]) -> usize {
-    const BINS: usize = 16;
-    let mut best: Option<(f32, usize, [f32; 2])> = None;
-    for axis in 0..3 {
-        let centers = items.iter().map(|item| item.center(axis));
-        let [low, high] = centers.fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], center| {
-            [low.min(center), high.max(center)]
-        });
-        let scale = BINS as f32 / (high - low);
-        if !scale.is_finite() {
-            continue;
-        }
-        let mut bins = [Part::EMPTY; BINS];
-        for item in &*items {
-            let bin = ((item.center(axis) - low) * scale) as usize;
-            bins[bin.min(BINS - 1)].add(1, item.min, item.max);
-        }
-        let (mut right, mut costs) = (Part::EMPTY, [f32::INFINITY; BINS]);
-        for i in (1..BINS).rev() {
-            right.add(bins[i].count, bins[i].min, bins[i].max);
-            costs[i] = if right.count > 0 { right.cost() } else { f32::INFINITY };
-        }
-        let mut left = Part::EMPTY;
-        for i in 1..BINS {
-            left.add(bins[i - 1].count, bins[i - 1].min, bins[i - 1].max);
-            let cost = costs[i] + left.cost();
-            if left.count > 0 && cost < best.map_or(f32::INFINITY, |(least, ..)| least) {
-                best = Some((cost, axis, [low, i as f32 / scale]));
-            }
-        }
-    }
-    let Some((_, axis, [low, border])) = best else { return items.len() / 2 };
-    let mut count = 0;
-    for i in 0..items.len() {
-        if items[i].center(axis) - low < border {
-            items.swap(i, count);
-            count += 1;
-        }
-    }
-    if (1..items.len()).contains(&count) { count } else { items.len() / 2 }
-}
-
 /// The slots and nodes of a tree; the children of each node precede it.
 #[derive(Default)]
 struct Lists {
@@ -570,6 +420,7 @@ impl Lists {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::Mesh;
 
     #[test]
     fn neighbours_on_the_curve_are_neighbours_in_space() {
@@ -622,6 +473,14 @@ mod tests {
                 assert!(all.into_iter().eq(0..count as u32), "{count}");
             }
         }
+    }
+
+    #[test]
+    fn leaves_are_more_than_half_full() {
+        let ball = Mesh::sphere(1.0, 200, 100);
+        let tree = Tree::by_area(ball.triangles().len(), &|t| ball.corners(t));
+        let share = ball.triangles().len() as f64 / tree.counts().1 as f64;
+        assert!(share > 0.6, "{share}");
     }
 
     #[test]

@@ -59,8 +59,8 @@ const SIZES: [u32; 4] = [256, 512, 1024, 2048];
 const ON_SIZE: u32 = 512;
 /// If a size has more than this fraction of the squared error of half the size, doubling it is not worthwhile.
 const WORTH_DOUBLING: f64 = 0.85 * 0.85;
-/// That fraction for details much larger than a texel.
-const OF_DOUBLING: f64 = 0.25;
+/// That fraction for details much larger than a texel: the error of interpolation is proportional to a texel's area.
+const OF_DOUBLING: f64 = 0.0625;
 /// Maps of half a size have at least this fraction of the bytes.
 const BYTES_OF_HALF: f64 = 0.25;
 /// The minimum number of triangles for it, and the ratio between successive candidates.
@@ -94,7 +94,8 @@ struct Choice {
 
 impl Forecast {
     /// Measures meshes and maps, the latter of at least `least_size`; `None` if the first mesh is refused, or if just
-    /// its maps exceed `most_bytes`. Meshes and maps that only larger candidates can have are not measured.
+    /// its maps exceed `most_bytes`. Skips meshes and maps whose candidates
+    /// are unlikely to be smaller.
     pub fn measured(
         workshop: &mut Workshop<'_>,
         least_size: u32,
@@ -121,16 +122,15 @@ impl Forecast {
         forecast.add_mesh(&draft, &crossing);
         let (mesh_bytes, map_bytes) = (crossing.mesh_bytes, crossing.least_bytes());
         forecast.sizes.push(crossing);
-        for triangles in TRIANGLES
-            .map(|count| level.triangles(count))
-            .into_iter()
-            .filter(|count| *count != on && *count < all)
-        {
-            // Bytes grow less than triangles, but faster than their square root.
+        // Bytes grow less than triangles, but faster than their square root. Fewer triangles are always measured: the
+        // candidates around them are forecast from both ends.
+        let may_be_smaller = |triangles: u32| {
             let growth = (f64::from(triangles) / f64::from(on)).sqrt();
-            if mesh_bytes * growth + map_bytes * BYTES_OF_HALF <= WORTH * most_bytes
-                && let Some(draft) = workshop.draft(mapped(triangles, size), progress)?
-            {
+            triangles < on || mesh_bytes * growth + map_bytes * BYTES_OF_HALF <= WORTH * most_bytes
+        };
+        let counts = TRIANGLES.map(|count| level.triangles(count)).into_iter();
+        for triangles in counts.filter(|count| *count != on && *count < all && may_be_smaller(*count)) {
+            if let Some(draft) = workshop.draft(mapped(triangles, size), progress)? {
                 forecast.add_mesh(&draft, &MapSize::with(workshop, &draft, least)?);
             }
         }
@@ -157,8 +157,9 @@ impl Forecast {
         self.mesh_bytes.add(count, maps.mesh_bytes);
     }
 
-    /// Returns `true` if a candidate with maps of this size may reach the goal with at most `most_bytes`: if, for the
-    /// same losses, they take no fewer bytes than those of half the size, and help no more than the doubling before.
+    /// Returns `true` if a candidate with maps of this size is likely to reach the goal with at most `most_bytes`. The
+    /// estimate: for the same losses, they take as many bytes as those of half the size, and help as much as the doubling
+    /// before.
     fn may_be_smaller(&self, size: u32, most_bytes: f64) -> bool {
         let find = |size: u32| self.sizes.iter().find(|of| of.size == size);
         let (quarter, half) = (find(size / 4), find(size / 2));

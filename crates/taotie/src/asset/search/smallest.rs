@@ -55,6 +55,8 @@ pub(in crate::asset) fn smallest(
     progress: Progress<'_>,
 ) -> Result<Found> {
     scan.sort(progress)?;
+    // A scan that does not fit is an error now, not a reason to refuse every candidate with maps.
+    scan.sorted().load_on_device()?;
     let side = Side::of(scan.sorted());
     let mut warnings = Warnings::default();
     let base = low_poly::base(scan, recipe.options, &mut warnings, progress)?;
