@@ -69,30 +69,20 @@ fn project(@builtin(global_invocation_id) invocation: vec3u) {
     let ray = cast_ray(start, own.direction, 2.0 * own.distance);
     var away = vec2f(3e38);
     var found = vec2u(ALL);
-    var index = 0u;
-    loop {
-        index = ray_leaf(ray, index);
-        let around = ray_boxes[index];
-        if (around.skip == 0u) {
-            break;
+    var walk = RayWalk();
+    for (var hit = ray_next(ray, &walk); hit.distance >= 0.0; hit = ray_next(ray, &walk)) {
+        let triangle = ray_triangles[hit.place];
+        let here = abs(hit.distance - own.distance);
+        if (hit.distance > ray.limit || here >= away.y || !ray_blocks(triangle, hit.weights)) {
+            continue;
         }
-        index++;
-        let first = around.leaf >> 4u;
-        for (var place = first; place < first + (around.leaf & 15u); place++) {
-            let triangle = ray_triangles[place];
-            let hit = ray_hit(triangle, ray);
-            let here = abs(hit.distance - own.distance);
-            if (hit.distance < 0.0 || hit.distance > ray.limit || here >= away.y || !ray_blocks(triangle, hit.weights)) {
-                continue;
-            }
-            let a = ray_vertices[triangle.x].normal * hit.weights.x;
-            let b = ray_vertices[triangle.y].normal * hit.weights.y;
-            let c = ray_vertices[triangle.z].normal * hit.weights.z;
-            if (dot(a + b + c, own.direction) > 0.0) {
-                let is_nearest = here < away.x;
-                away = select(vec2f(away.x, here), vec2f(here, away.x), is_nearest);
-                found = select(vec2u(found.x, place), vec2u(place, found.x), is_nearest);
-            }
+        let a = ray_vertices[triangle.x].normal * hit.weights.x;
+        let b = ray_vertices[triangle.y].normal * hit.weights.y;
+        let c = ray_vertices[triangle.z].normal * hit.weights.z;
+        if (dot(a + b + c, own.direction) > 0.0) {
+            let is_nearest = here < away.x;
+            away = select(vec2f(away.x, here), vec2f(here, away.x), is_nearest);
+            found = select(vec2u(found.x, hit.place), vec2u(hit.place, found.x), is_nearest);
         }
     }
     nearest[number] = found;

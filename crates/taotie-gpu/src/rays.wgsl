@@ -31,10 +31,19 @@ struct CastRay {
     shear: vec3f,
 }
 
-// A point of a triangle: the weights of its corners, and its distance, below 0 if the ray misses the triangle.
+// A point of a triangle: the weights of its corners, and its distance, below 0 if the ray misses the triangle. `place` is
+// the index of the triangle.
 struct RayHit {
     weights: vec3f,
     distance: f32,
+    place: u32,
+}
+
+// The way of a ray through the boxes: the next box, and the remaining triangles of a leaf, which end before `end`.
+struct RayWalk {
+    index: u32,
+    place: u32,
+    end: u32,
 }
 
 @group(0) @binding(6) var<storage, read> ray_boxes: array<RayBox>;
@@ -63,23 +72,33 @@ fn ray_leaf(ray: CastRay, start: u32) -> u32 {
     return index;
 }
 
-// 1 if nothing blocks the ray, else 0.
-fn ray_sight(ray: CastRay) -> f32 {
-    var index = 0u;
+// The next hit of a ray, in no particular order; its distance is below 0 after the last one.
+fn ray_next(ray: CastRay, walk: ptr<function, RayWalk>) -> RayHit {
     loop {
-        index = ray_leaf(ray, index);
+        while ((*walk).place < (*walk).end) {
+            let hit = ray_hit((*walk).place, ray);
+            (*walk).place++;
+            if (hit.distance >= 0.0) {
+                return hit;
+            }
+        }
+        let index = ray_leaf(ray, (*walk).index);
         let around = ray_boxes[index];
         if (around.skip == 0u) {
             break;
         }
-        index++;
         let first = around.leaf >> 4u;
-        for (var place = first; place < first + (around.leaf & 15u); place++) {
-            let triangle = ray_triangles[place];
-            let hit = ray_hit(triangle, ray);
-            if (hit.distance >= 0.0 && hit.distance < ray.limit && ray_blocks(triangle, hit.weights)) {
-                return 0.0;
-            }
+        *walk = RayWalk(index + 1u, first, first + (around.leaf & 15u));
+    }
+    return RayHit(vec3f(0.0), -1.0, 0u);
+}
+
+// 1 if nothing blocks the ray, else 0.
+fn ray_sight(ray: CastRay) -> f32 {
+    var walk = RayWalk();
+    for (var hit = ray_next(ray, &walk); hit.distance >= 0.0; hit = ray_next(ray, &walk)) {
+        if (hit.distance < ray.limit && ray_blocks(ray_triangles[hit.place], hit.weights)) {
+            return 0.0;
         }
     }
     return 1.0;
@@ -129,17 +148,18 @@ fn ray_enters(around: RayBox, ray: CastRay) -> bool {
     return near - abs(near) * 4e-7 <= far + abs(far) * 4e-7;
 }
 
-fn ray_hit(triangle: vec4u, ray: CastRay) -> RayHit {
+fn ray_hit(place: u32, ray: CastRay) -> RayHit {
+    let triangle = ray_triangles[place];
     let a = ray_corner(triangle.x, ray);
     let b = ray_corner(triangle.y, ray);
     let c = ray_corner(triangle.z, ray);
     let edges = vec3f(b.x * c.y - b.y * c.x, c.x * a.y - c.y * a.x, a.x * b.y - a.y * b.x);
     let sum = edges.x + edges.y + edges.z;
     if ((any(edges < vec3f(0.0)) && any(edges > vec3f(0.0))) || sum == 0.0) {
-        return RayHit(vec3f(0.0), -1.0);
+        return RayHit(vec3f(0.0), -1.0, place);
     }
     let weights = edges / sum;
-    return RayHit(weights, ray.shear.z * dot(weights, vec3f(a.z, b.z, c.z)));
+    return RayHit(weights, ray.shear.z * dot(weights, vec3f(a.z, b.z, c.z)), place);
 }
 
 // A corner in the coordinates of the ray, which starts at 0 and runs along the third axis.

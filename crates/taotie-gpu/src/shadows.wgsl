@@ -46,23 +46,12 @@ fn shadow_origin(position: vec3f, n: vec3f) -> vec3f {
     let ray = cast_ray(position + n * SHADOW_REACH, -n, 2.0 * SHADOW_REACH);
     var origin = position + n * SHADOW_OFFSET;
     var nearest = SHADOW_REACH;
-    var index = 0u;
-    loop {
-        index = ray_leaf(ray, index);
-        let around = ray_boxes[index];
-        if (around.skip == 0u) {
-            break;
-        }
-        index++;
-        let first = around.leaf >> 4u;
-        for (var place = first; place < first + (around.leaf & 15u); place++) {
-            let triangle = ray_triangles[place];
-            let hit = ray_hit(triangle, ray);
-            let away = abs(hit.distance - SHADOW_REACH);
-            if (hit.distance >= 0.0 && away < nearest) {
-                nearest = away;
-                origin = shadow_raised(triangle, hit.weights, n);
-            }
+    var walk = RayWalk();
+    for (var hit = ray_next(ray, &walk); hit.distance >= 0.0; hit = ray_next(ray, &walk)) {
+        let away = abs(hit.distance - SHADOW_REACH);
+        if (away < nearest) {
+            nearest = away;
+            origin = shadow_raised(ray_triangles[hit.place], hit.weights, n);
         }
     }
     return origin;

@@ -74,11 +74,7 @@ fn parts(items: &mut [Item], depth: usize) -> Vec<&mut [Item]> {
     let mut parts = vec![(cost(items), items)];
     while parts.len() < WIDTH {
         let large = parts.iter().enumerate().filter(|(_, (_, items))| items.len() > WIDTH);
-        let rank = |part: &(f32, &mut [Item])| (part.0, part.1.len());
-        let costly = large.max_by(|(_, a), (_, b)| {
-            let ((a, of_a), (b, of_b)) = (rank(a), rank(b));
-            a.total_cmp(&b).then(of_a.cmp(&of_b))
-        });
+        let costly = large.max_by(|(_, a), (_, b)| a.0.total_cmp(&b.0).then(a.1.len().cmp(&b.1.len())));
         let Some((costly, _)) = costly else { break };
         let (_, items) = parts.swap_remove(costly);
         let middle = if depth < DEEP { split(items) } else { items.len() / 2 };

@@ -124,12 +124,12 @@ impl Forecast {
         forecast.sizes.push(crossing);
         // Bytes grow less than triangles, but faster than their square root. Fewer triangles are always measured: the
         // candidates around them are forecast from both ends.
-        let may_be_smaller = |triangles: u32| {
+        let is_light = |triangles: u32| {
             let growth = (f64::from(triangles) / f64::from(on)).sqrt();
             triangles < on || mesh_bytes * growth + map_bytes * BYTES_OF_HALF <= WORTH * most_bytes
         };
         let counts = TRIANGLES.map(|count| level.triangles(count)).into_iter();
-        for triangles in counts.filter(|count| *count != on && *count < all && may_be_smaller(*count)) {
+        for triangles in counts.filter(|count| *count != on && *count < all && is_light(*count)) {
             if let Some(draft) = workshop.draft(mapped(triangles, size), progress)? {
                 forecast.add_mesh(&draft, &MapSize::with(workshop, &draft, least)?);
             }
