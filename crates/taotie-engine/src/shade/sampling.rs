@@ -164,9 +164,16 @@ impl<L: Lane> Lobes<L> {
             Shading::Phong => (alpha_from_shininess(s.shininess * one.lit(4.0)), s.specular, s.diffuse, 0.2),
         };
         let (gloss, matt) = (mean(gloss), mean(matt));
-        // A metal's lobe consists only of its visible facets; other models also need cosine sampling.
-        let most = if shading == Shading::Ggx { 0.98 } else { 0.9 };
-        let share = (gloss / (gloss + matt).max(one.lit(1e-6))).clamp(0.1, most);
+        let share = gloss / (gloss + matt).max(one.lit(1e-6));
+        // Metal reflects by its visible facets alone, and a surface without gloss by cosine alone. The highlights of
+        // other models have tails that need cosine sampling.
+        let share = match shading {
+            Shading::Ggx => {
+                let both = L::select(zero.lt(gloss), share.clamp(0.1, 0.98), zero);
+                L::select(zero.lt(matt), both, one)
+            }
+            _ => share.clamp(0.1, 0.9),
+        };
         let even = one.lit(even);
         Self { alpha: [width.clamp(MIN_ALPHA, 1.0); 2], glossy: share * (one - even), even }
     }

@@ -114,7 +114,12 @@ impl Rising {
     fn find(&self, u: f64) -> (usize, f64) {
         let part = (u * self.marks.len() as f64) as usize;
         let mut step = usize::from(self.marks[part.min(self.marks.len() - 1)]);
-        while self.values[step + 1] <= u && step + 2 < self.values.len() {
+        let passed = |step: usize| self.values[step + 1] <= u && step + 2 < self.values.len();
+        // Most steps are one of the first three. Counting needs no branch whose outcome waits for memory.
+        for _ in 0..2 {
+            step += usize::from(passed(step));
+        }
+        while passed(step) {
             step += 1;
         }
         let (from, to) = (self.values[step], self.values[step + 1]);
