@@ -2,12 +2,8 @@
 
 use std::f64::consts::FRAC_1_PI;
 use taotie_engine::math::{Dual, Vec3};
-use taotie_engine::pixel::{
-    Geometry, Incidence, LayerInputs, MaterialUniforms, MaterialValues, NormalValues, PixelInputs,
-    ShadedPixel,
-};
+use taotie_engine::pixel::{Incidence, PixelInputs, ShadedPixel};
 use taotie_engine::shade::Shading;
-use taotie_engine::surface::SurfaceMethod;
 
 /// The highlight of a surface.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
@@ -51,44 +47,11 @@ impl Surface {
         let normal = (vector(self.normal) + shift(0) + shift(1)).normalize();
         let (zero, one) = (constant(0.0), constant(1.0));
         let finish = self.finish.unwrap_or(Finish { roughness: 1.0, f0: 0.0 });
-        let inputs = PixelInputs {
-            shading: if self.finish.is_some() { Shading::Ggx } else { Shading::Lambert },
-            geometry: Geometry {
-                n_geom: normal,
-                normal,
-                tangent: vector(self.tangents[0]),
-                handedness: one,
-                facing: one,
-                v: Vec3::new(zero, zero, one),
-            },
-            method: SurfaceMethod::Smooth,
-            normal: NormalValues::none(one),
-            turns: false,
-            softened: false,
-            compensated: true,
-            uniforms: MaterialUniforms {
-                base_color: Vec3::splat(Dual::variable(self.color, 2)),
-                f0: Some(Vec3::splat(Dual::variable(finish.f0, 4))),
-                f82: None,
-                dielectric_f0: zero,
-                ambient: None,
-                diffuse: None,
-                specular: None,
-                slope: None,
-                shininess: None,
-            },
-            values: MaterialValues {
-                tint: Vec3::splat(one),
-                metallic: zero,
-                roughness: Dual::variable(finish.roughness, 3),
-                specular: one,
-                specular_color: Vec3::splat(one),
-                occlusion: one,
-                emissive: Vec3::splat(zero),
-                variance: zero,
-            },
-            layers: LayerInputs::NONE,
-        };
+        let shading = if self.finish.is_some() { Shading::Ggx } else { Shading::Lambert };
+        let mut inputs = PixelInputs::smooth(shading, normal, Vec3::new(zero, zero, one));
+        inputs.uniforms.base_color = Vec3::splat(Dual::variable(self.color, 2));
+        inputs.uniforms.f0 = Some(Vec3::splat(Dual::variable(finish.f0, 4)));
+        inputs.values.roughness = Dual::variable(finish.roughness, 3);
         Lit { pixel: inputs.shaded(normal), irradiance: Vec3::splat(constant(irradiance)) }
     }
 }

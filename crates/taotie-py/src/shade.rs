@@ -115,19 +115,9 @@ fn color<L: Lane>(name: &str, row: &[L]) -> Option<Vec3<L>> {
 /// `f0`, `f82` with three columns each, `slope`, `shininess` with one each.
 fn reflected<L: Lane>(shading: Shading, row: &[L], extra: &[String]) -> Option<Vec3<L>> {
     let vec = |at: usize| Some(Vec3::new(*row.get(at)?, *row.get(at + 1)?, *row.get(at + 2)?));
-    let (zero, one) = (row.first()?.lit(0.0), row.first()?.lit(1.0));
+    let one = row.first()?.lit(1.0);
     let ratio = (*row.get(14)? - one) / (*row.get(14)? + one);
-    let mut uniforms = MaterialUniforms {
-        base_color: Vec3::splat(one),
-        f0: None,
-        f82: None,
-        dielectric_f0: ratio * ratio,
-        ambient: None,
-        diffuse: None,
-        specular: None,
-        slope: None,
-        shininess: None,
-    };
+    let mut uniforms = MaterialUniforms { dielectric_f0: ratio * ratio, ..MaterialUniforms::white(one) };
     let mut at = REFLECT_COLUMNS;
     for name in extra {
         match name.as_str() {
@@ -139,16 +129,8 @@ fn reflected<L: Lane>(shading: Shading, row: &[L], extra: &[String]) -> Option<V
         }
         at += if name.starts_with('f') { 3 } else { 1 };
     }
-    let values = MaterialValues {
-        tint: vec(9)?,
-        metallic: row[12],
-        roughness: row[13],
-        specular: one,
-        specular_color: Vec3::splat(one),
-        occlusion: one,
-        emissive: Vec3::splat(zero),
-        variance: zero,
-    };
+    let values =
+        MaterialValues { tint: vec(9)?, metallic: row[12], roughness: row[13], ..MaterialValues::rough(one) };
     let point = MaterialPoint::new(shading, &uniforms, &values, None);
     Some(reflect(shading, &point.sample, &Angles::new(vec(0)?, vec(3)?, vec(6)?)))
 }

@@ -64,42 +64,12 @@ impl<L: Number> PixelInputs<L> {
     ///
     /// ```
     /// use taotie_engine::math::Vec3;
-    /// use taotie_engine::pixel::{
-    ///     Geometry, Incidence, LayerInputs, MaterialUniforms, MaterialValues, NormalValues, PixelInputs, IncidentLight,
-    /// };
-    /// use taotie_engine::scene::Material;
+    /// use taotie_engine::pixel::{Incidence, IncidentLight, PixelInputs};
     /// use taotie_engine::shade::Shading;
-    /// use taotie_engine::surface::SurfaceMethod;
     ///
     /// let up = Vec3::new(0.0, 0.0, 1.0);
-    /// let pixel = PixelInputs {
-    ///     shading: Shading::Ggx,
-    ///     geometry: Geometry {
-    ///         n_geom: up,
-    ///         normal: up,
-    ///         tangent: Vec3::new(1.0, 0.0, 0.0),
-    ///         handedness: 1.0,
-    ///         facing: 1.0,
-    ///         v: up,
-    ///     },
-    ///     method: SurfaceMethod::Smooth,
-    ///     normal: NormalValues::none(0.0),
-    ///     turns: false,
-    ///     softened: false,
-    ///     compensated: true,
-    ///     uniforms: MaterialUniforms::new(&Material::default()).map(f64::from),
-    ///     values: MaterialValues {
-    ///         tint: Vec3::splat(1.0),
-    ///         metallic: 0.0,
-    ///         roughness: 0.5,
-    ///         specular: 1.0,
-    ///         specular_color: Vec3::splat(1.0),
-    ///         occlusion: 1.0,
-    ///         emissive: Vec3::splat(0.0),
-    ///         variance: 0.0,
-    ///     },
-    ///     layers: LayerInputs { clearcoat: None, sheen: None, anisotropy: None },
-    /// };
+    /// let mut pixel = PixelInputs::smooth(Shading::Ggx, up, up);
+    /// pixel.values.roughness = 0.5;
     /// let light = Incidence { l: Vec3::new(0.6, 0.0, 0.8), irradiance: Vec3::splat(3.0) };
     /// let light = IncidentLight { arriving: vec![light], ambient: Vec3::splat(0.0), environment: None };
     /// let gradient = pixel.gradient(&light);

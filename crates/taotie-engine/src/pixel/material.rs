@@ -93,6 +93,40 @@ pub struct MaterialValues<L> {
     pub variance: L,
 }
 
+impl<L: Lane> MaterialUniforms<L> {
+    /// Returns the factors of white material with the index of refraction 1.5, from any number.
+    pub fn white(like: L) -> Self {
+        Self {
+            base_color: Vec3::splat(like.lit(1.0)),
+            f0: None,
+            f82: None,
+            dielectric_f0: like.lit(0.04),
+            ambient: None,
+            diffuse: None,
+            specular: None,
+            slope: None,
+            shininess: None,
+        }
+    }
+}
+
+impl<L: Lane> MaterialValues<L> {
+    /// Returns the values of a rough dielectric without texture, light or occlusion, from any number.
+    pub fn rough(like: L) -> Self {
+        let (zero, one) = (like.lit(0.0), like.lit(1.0));
+        Self {
+            tint: Vec3::splat(one),
+            metallic: zero,
+            roughness: one,
+            specular: one,
+            specular_color: Vec3::splat(one),
+            occlusion: one,
+            emissive: Vec3::splat(zero),
+            variance: zero,
+        }
+    }
+}
+
 impl<N: Copy> MaterialValues<N> {
     /// Converts the numbers.
     #[inline(always)]

@@ -71,6 +71,32 @@ impl<L: Copy> NormalInputs<L> for NormalValues<L> {
     }
 }
 
+impl<L: Lane> PixelInputs<L> {
+    /// Returns a smooth, rough, white dielectric with this unit `normal`, as seen from the unit direction `v`.
+    pub fn smooth(shading: Shading, normal: Vec3<L>, v: Vec3<L>) -> Self {
+        let one = v.x.lit(1.0);
+        Self {
+            shading,
+            geometry: Geometry {
+                n_geom: normal,
+                normal,
+                tangent: normal.any_perpendicular(),
+                handedness: one,
+                facing: one,
+                v,
+            },
+            method: SurfaceMethod::Smooth,
+            normal: NormalValues::none(one),
+            turns: false,
+            softened: false,
+            compensated: true,
+            uniforms: MaterialUniforms::white(one),
+            values: MaterialValues::rough(one),
+            layers: LayerInputs::NONE,
+        }
+    }
+}
+
 impl<L: Lane> NormalValues<L> {
     /// Returns the inputs of methods that read no map, from any number.
     pub fn none(zero: L) -> Self {

@@ -2,12 +2,9 @@
 
 use super::sight::Incident;
 use taotie_engine::math::{Dual, Number, Vec3};
-use taotie_engine::pixel::{
-    Geometry, Incidence, LayerInputs, MaterialUniforms, MaterialValues, NormalValues, PixelInputs,
-};
+use taotie_engine::pixel::{Incidence, MaterialUniforms, MaterialValues, PixelInputs};
 use taotie_engine::scene::Material;
 use taotie_engine::shade::{Shading, SubPixelVariance};
-use taotie_engine::surface::SurfaceMethod;
 
 /// Variables of a texel: red, green and blue of the base colour, roughness, metallic.
 pub const VARIABLES: usize = 5;
@@ -48,50 +45,21 @@ impl Reflection {
         light: &Incident,
     ) -> Vec3<L> {
         let zero = values[0].lit(0.0);
-        let one = zero.lit(1.0);
         let vector = |v: Vec3<f64>| v.map(|v| zero.lit(v));
         let normal = vector(normal);
         let variance = SubPixelVariance {
             curvature: zero.lit(light.variance.curvature),
             normal_variance: zero.lit(light.variance.normal_variance),
         };
-        let inputs = PixelInputs {
-            shading: Shading::Ggx,
-            geometry: Geometry {
-                n_geom: normal,
-                normal,
-                tangent: Vec3::splat(zero),
-                handedness: one,
-                facing: one,
-                v: vector(light.v),
-            },
-            method: SurfaceMethod::Smooth,
-            normal: NormalValues::none(one),
-            turns: false,
-            softened: false,
-            compensated: true,
-            uniforms: MaterialUniforms {
-                base_color: Vec3::splat(one),
-                f0: None,
-                f82: None,
-                dielectric_f0: zero.lit(self.dielectric_f0),
-                ambient: None,
-                diffuse: None,
-                specular: None,
-                slope: None,
-                shininess: None,
-            },
-            values: MaterialValues {
-                tint: Vec3::new(values[0], values[1], values[2]),
-                metallic: values[METALLIC],
-                roughness: variance.widened(values[ROUGHNESS]),
-                specular: zero.lit(self.specular),
-                specular_color: vector(Vec3::from_array(self.specular_color)),
-                occlusion: one,
-                emissive: Vec3::splat(zero),
-                variance: zero,
-            },
-            layers: LayerInputs::NONE,
+        let mut inputs = PixelInputs::smooth(Shading::Ggx, normal, vector(light.v));
+        inputs.uniforms.dielectric_f0 = zero.lit(self.dielectric_f0);
+        inputs.values = MaterialValues {
+            tint: Vec3::new(values[0], values[1], values[2]),
+            metallic: values[METALLIC],
+            roughness: variance.widened(values[ROUGHNESS]),
+            specular: zero.lit(self.specular),
+            specular_color: vector(Vec3::from_array(self.specular_color)),
+            ..inputs.values
         };
         inputs.shaded(normal).lit(&Incidence { l: vector(light.l), irradiance: vector(light.irradiance) })
     }
