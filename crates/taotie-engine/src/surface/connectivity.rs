@@ -40,15 +40,18 @@ impl Edges {
     /// Finds the neighbours in a mesh, given its classes of vertices at equal positions.
     pub fn with_places(mesh: &Mesh, places: Classes) -> Self {
         let count = mesh.triangles().len();
-        let sides = || (0..count).flat_map(|t| sides_of(mesh, &places.of, t));
-        let groups = Groups::new(places.firsts.len(), sides);
+        let ends = || (0..count).flat_map(|t| lower_ends(mesh, &places.of, t));
+        let groups = Groups::new(places.firsts.len(), ends);
         let across: Vec<[AtomicU32; 3]> = (0..count).map(|_| [NONE; 3].map(AtomicU32::new)).collect();
         let link = |(triangle, side): (u32, u8), other: u32| {
             across[triangle as usize][usize::from(side)].store(other, Ordering::Relaxed);
         };
         parallel::fold(groups.count(), |sorted: &mut Vec<Side>, place| {
             sorted.clear();
-            sorted.extend_from_slice(groups.of(place));
+            for triangle in groups.of(place) {
+                let sides = sides_of(mesh, &places.of, *triangle);
+                sorted.extend(sides.filter(|(lower, _)| *lower == place).map(|(_, side)| side));
+            }
             sorted.sort_unstable();
             for run in sorted.chunk_by(|a, b| a.0 == b.0) {
                 if let [(_, one, k), (_, other, l)] = *run {
@@ -100,15 +103,21 @@ impl Edges {
 /// The higher position index of a side, its triangle, and the index of the side in it.
 type Side = (u32, u32, u8);
 
-/// Returns the sides of a triangle, each grouped by its lower position index; none if two corners are at one
-/// position.
-fn sides_of(mesh: &Mesh, places: &[u32], triangle: usize) -> impl Iterator<Item = (usize, Side)> {
-    let [a, b, c] = mesh.triangles()[triangle].map(|v| places[v as usize]);
+/// Returns the sides of a triangle, each with its lower position index; none if two corners are at one position.
+fn sides_of(mesh: &Mesh, places: &[u32], triangle: u32) -> impl Iterator<Item = (usize, Side)> {
+    let [a, b, c] = mesh.triangles()[triangle as usize].map(|v| places[v as usize]);
     let is_whole = a != b && b != c && c != a;
-    let side = move |(from, to, number): (u32, u32, u8)| {
-        (from.min(to) as usize, (from.max(to), triangle as u32, number))
-    };
+    let side =
+        move |(from, to, number): (u32, u32, u8)| (from.min(to) as usize, (from.max(to), triangle, number));
     [(a, b, 0), (b, c, 1), (c, a, 2)].into_iter().filter(move |_| is_whole).map(side)
+}
+
+/// Returns the lower position indices of the sides of a triangle, each once: the lowest has two sides, the highest none.
+fn lower_ends(mesh: &Mesh, places: &[u32], triangle: usize) -> impl Iterator<Item = (usize, u32)> {
+    let mut ends = mesh.triangles()[triangle].map(|v| places[v as usize]);
+    ends.sort_unstable();
+    let is_whole = ends[0] != ends[1] && ends[1] != ends[2];
+    [ends[0], ends[1]].into_iter().filter(move |_| is_whole).map(move |end| (end as usize, triangle as u32))
 }
 
 /// Returns the UV island of each triangle, as a number shared by its triangles: those that meet at corners with the
