@@ -4,7 +4,7 @@ use crate::pairs::{
     Fate, ball, copy_of, direction, grid, is_bad, is_sound, joined, lettered_pair, lettering, made, mesh,
     moved, onto, remade, scan_of, turned, with_fates, with_part,
 };
-use taotie::asset::Scan;
+use taotie::asset::{BakeOptions, Baker, Figure, Requirement, Scan};
 use taotie_engine::Progress;
 use taotie_engine::math::{Mat4, Vec3};
 use taotie_engine::scene::{Instance, Material, Scene, SceneData};
@@ -126,4 +126,22 @@ fn a_net_and_an_asset_with_a_hidden_wall() {
     is_sound(&Scene::of_mesh(aside(&net), Material::default()).unwrap(), &scan);
     let wall = remade(&asset.meshes()[0], |data| data.positions.iter_mut().for_each(|p| *p = *p * 0.97));
     is_sound(&with_part(asset, wall), &lettered_pair().0);
+}
+
+/// A search keeps parts that hardly count in pictures, since the distance is limited, and meets every limit that it was
+/// given.
+#[test]
+fn what_a_search_makes_for_standard() {
+    let pearl = |i: usize| {
+        let at = direction(i as f64 / 5.0, 0.3 + 0.1 * i as f64).to_f32() * 1.3;
+        moved(ball([8, 6], |_, _| 0.0), move |p| at + p * 0.01)
+    };
+    let scan = scan_of(joined([ball([160, 80], lettering)].into_iter().chain((0..5).map(pearl))));
+    for more in [Vec::new(), vec![Requirement::of(Figure::P95Angle, 2.5)]] {
+        let goal = Some([Requirement::standard(), more.clone()].concat());
+        let asset = Baker::new(BakeOptions { goal, ..BakeOptions::default() });
+        let asset = asset.bake(&scan, Progress::SILENT).unwrap();
+        let proof = is_sound(&asset, &scan);
+        proof.require(&more).unwrap();
+    }
 }

@@ -103,11 +103,17 @@ impl Goal {
         Self { angles, colors: required(&COLORS, colors), numbers: times(&NUMBERS, numbers), missing }
     }
 
-    /// Returns the requirements that pixels decide; those of [`Requirement::visually_lossless`] if there are none.
+    /// Returns the requirements that a search takes into account; those of [`Requirement::visually_lossless`] if there are none
+    /// for differences.
     pub fn decided(requirements: &[Requirement]) -> Vec<Requirement> {
-        let decided = requirements.iter().filter(|required| Limit::of(required).is_some());
-        let decided: Vec<Requirement> = decided.copied().collect();
-        if decided.is_empty() { Requirement::visually_lossless() } else { decided }
+        let of_shape =
+            |required: &Requirement| [Figure::Missed, Figure::Hausdorff].contains(&required.figure);
+        let is_decided = |required: &&Requirement| Limit::of(required).is_some() || of_shape(required);
+        let decided: Vec<Requirement> = requirements.iter().filter(is_decided).copied().collect();
+        match decided.iter().all(of_shape) {
+            true => [Requirement::visually_lossless(), decided].concat(),
+            false => decided,
+        }
     }
 
     /// Returns the goal with all limits of differences multiplied by `factor`.

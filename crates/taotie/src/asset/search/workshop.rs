@@ -1,7 +1,7 @@
 //! Candidates of a search, made as they would be written, read back and measured; and the best of them.
 
 use super::goal::{Ceilings, Codecs, Goal, Level, Statistic};
-use crate::asset::ask::{BakeOptions, Looking, Requirement};
+use crate::asset::ask::{BakeOptions, Figure, Looking, Requirement};
 use crate::asset::bake::{Recipe, Rounding, StoredMaps, Trial, bake_maps, chosen_side, refuse_astray};
 use crate::asset::source::{Base, LowPoly, MadeFrom, Pair, Relief, Scan, low_poly};
 use std::collections::BTreeMap;
@@ -9,9 +9,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use taotie_engine::bake::{self, MapKind, Simplified};
 use taotie_engine::error::{Error, Result, Warnings};
+use taotie_engine::length::Unit;
 use taotie_engine::mesh::Mesh;
 use taotie_engine::progress::Progress;
-use taotie_engine::proof::{self, Picture, PixelDifferences, Side};
+use taotie_engine::proof::{self, Picture, PixelDifferences, Side, Source};
 use taotie_io::{
     CodecSet, GltfAsset, GltfFormat, GltfSizes, GltfSource, ImageCodec, Limits, PackedGeometry, PackedImage,
     TextureCodecs, VertexBits,
@@ -67,6 +68,22 @@ struct Read {
     surface: bake::Scan,
 }
 
+/// The differences of a candidate.
+struct Differences {
+    /// In ascending order.
+    seen: PixelDifferences,
+    /// The largest ratio to a limit of angles, of what is missing and of the distance.
+    angle_ratio: f64,
+    /// The largest ratio to a limit of colours; `None` if they are not compared.
+    color_ratio: Option<f64>,
+}
+
+impl Differences {
+    fn ratio(&self) -> f64 {
+        self.angle_ratio.max(self.color_ratio.unwrap_or_default())
+    }
+}
+
 /// A sorted scan.
 #[derive(Clone, Copy)]
 pub(super) struct Subject<'a> {
@@ -89,6 +106,8 @@ pub(super) struct Workshop<'a> {
     /// Simplified meshes, since several map sizes are tried on the same triangles.
     known: BTreeMap<(u32, Relief), Simplified>,
     pub goal: Goal,
+    /// The maximum distance between the visible surfaces, in model units; infinite without a limit.
+    farthest: f64,
     pub ceilings: Ceilings,
     codecs: Codecs,
     /// The formats of maps; that of normals is chosen for each candidate.
@@ -138,6 +157,7 @@ impl<'a> Workshop<'a> {
             subject,
             known: BTreeMap::new(),
             goal,
+            farthest: farthest(&recipe.options.limits(), subject),
             ceilings,
             images: codecs.least_lossy().into(),
             codecs,
@@ -234,7 +254,8 @@ impl<'a> Workshop<'a> {
 
     /// Returns the mean visible angle of a mesh with only its vertex normals, degrees.
     fn angle(&self, Simplified { mesh, .. }: &Simplified) -> Result<f64> {
-        let (_, seen) = self.seen(encoded_mesh(mesh, &GltfFormat::default())?)?;
+        let read = self.read_back(encoded_mesh(mesh, &GltfFormat::default())?)?;
+        let seen = self.differences(&read.surface).seen;
         Ok(Statistic::Mean.of(&seen.angles).unwrap_or(f64::INFINITY))
     }
 
@@ -287,9 +308,9 @@ impl<'a> Workshop<'a> {
     /// Reads a file back and measures it; `about` describes it.
     pub fn measured(&mut self, about: Trial, encoded: Vec<u8>) -> Result<Trial> {
         let bytes = encoded.len() as u64;
-        let (Read { triangles, gpu_bytes, .. }, seen) = self.seen(encoded)?;
+        let Read { triangles, gpu_bytes, surface } = self.read_back(encoded)?;
         let [mean, p95] = [Statistic::Mean, Statistic::Quantile(0.95)];
-        let (angle_ratio, color_ratio) = self.goal.ratios(&seen);
+        let Differences { seen, angle_ratio, color_ratio } = self.differences(&surface);
         let mut trial = Trial {
             triangles,
             bytes,
@@ -346,33 +367,61 @@ impl<'a> Workshop<'a> {
         })
     }
 
-    /// Reads a file back. Returns it with its differences, in ascending order.
-    fn seen(&self, encoded: Vec<u8>) -> Result<(Read, PixelDifferences)> {
-        let read = self.read_back(encoded)?;
-        let seen = self.differences(&read.surface);
-        Ok((read, seen))
-    }
-
     /// Returns the largest ratio of the differences of a surface to their limits.
     pub fn ratio(&self, surface: &bake::Scan) -> f64 {
-        let (angle, color) = self.goal.ratios(&self.differences(surface));
-        angle.max(color.unwrap_or_default())
+        self.differences(surface).ratio()
     }
 
-    /// Returns the differences of a surface, in ascending order.
-    fn differences(&self, surface: &bake::Scan) -> PixelDifferences {
+    /// Compares a surface with the scan.
+    fn differences(&self, surface: &bake::Scan) -> Differences {
         let scan = self.subject.side;
         let asset = Side::of(surface);
         let diagonal = scan.surface.mesh().diagonal() as f32;
         let pair = proof::Pair { scan, asset: &asset, diagonal, has_material: self.has_material };
-        let picture = |count| self.subject.level.picture(count);
-        let mut seen = proof::pixel_differences(&pair, picture(PIXELS)).sorted();
-        let (angle, color) = self.goal.ratios(&seen);
-        if (angle.max(color.unwrap_or_default()) - 1.0).abs() < NEAR_LIMIT {
-            seen = proof::pixel_differences(&pair, picture(FINE_PIXELS)).sorted();
+        let mut found = self.seen(&pair, PIXELS);
+        if (found.ratio() - 1.0).abs() < NEAR_LIMIT {
+            found = self.seen(&pair, FINE_PIXELS);
         }
-        seen
+        if found.ratio() <= 1.0 && self.farthest.is_finite() {
+            found.angle_ratio = found.angle_ratio.max(self.distance_ratio(&pair));
+        }
+        found
     }
+
+    /// Compares random pixels.
+    fn seen(&self, pair: &proof::Pair<'_>, pixels: usize) -> Differences {
+        let seen = proof::pixel_differences(pair, self.subject.level.picture(pixels)).sorted();
+        let (angle_ratio, color_ratio) = self.goal.ratios(&seen);
+        Differences { seen, angle_ratio, color_ratio }
+    }
+
+    /// Returns the ratio of the largest distance between the visible surfaces to its limit; 0 if it is certainly
+    /// within.
+    fn distance_ratio(&self, pair: &proof::Pair<'_>) -> f64 {
+        /// Distances below the first part of the limit need not be known; the bounds of others are closer than the
+        /// second.
+        const PARTS: [f64; 2] = [0.92, 0.05];
+        let [known, width] = PARTS.map(|part| (self.farthest * part) as f32);
+        let farthest = |side, to: &Side<'_>| {
+            proof::distance_bounds(Source { side, is_partly_hidden: true, known }, to.surface, width).upper
+        };
+        let most = farthest(pair.scan, pair.asset).max(farthest(pair.asset, pair.scan));
+        if most <= self.farthest { 0.0 } else { most / self.farthest }
+    }
+}
+
+/// Returns the maximum distance from a scan in model units at a level of detail; infinite without a requirement.
+fn farthest(required: &[Requirement], subject: Subject<'_>) -> f64 {
+    let diagonal = subject.scan.sorted().mesh().diagonal();
+    // Levels for small objects are never seen close up.
+    let of_all = if subject.level.is_finest() { None } else { Some(subject.level.number) };
+    let is_of_level = |one: &&Requirement| one.level == of_all || one.level == Some(subject.level.number);
+    let those = required.iter().filter(|one| one.figure == Figure::Hausdorff).filter(is_of_level);
+    let limits = those.map(|one| match (one.is_length, subject.scan.unit()) {
+        (false, _) => one.most * diagonal,
+        (true, unit) => one.most / unit.map_or(1.0, Unit::metres),
+    });
+    limits.fold(f64::INFINITY, f64::min)
 }
 
 /// Returns the bytes of a mesh without material as a GLB.
