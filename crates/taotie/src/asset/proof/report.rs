@@ -117,7 +117,7 @@ pub struct BakeFigures {
     pub uv_use: f64,
     /// The mean and maximum angle lost to 8 bits, degrees; `None` if no normals are stored that way.
     pub floor_8_bit: Option<[f64; 2]>,
-    /// Maps next to the asset that are not compared with anything.
+    /// Maps and packed channels that are not compared with anything.
     pub unproved_maps: Vec<String>,
 }
 

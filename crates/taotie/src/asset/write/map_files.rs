@@ -72,8 +72,8 @@ impl MapNote {
         }
     }
 
-    /// Returns `true` if the figures of a proof do not cover it: most packed channels repeat another map, but may hold
-    /// another channel, and occlusion is not seen in the proof's images.
+    /// Returns `true` if no figure of a proof covers it. Figures see the maps that a renderer shows under direct light: neither
+    /// occlusion nor packed channels.
     pub(in crate::asset) fn is_in_no_figure(&self) -> bool {
         let is_occlusion = matches!(self.map, MapKind::Occlusion | MapKind::OcclusionMap);
         self.packed.is_some() || self.map.is_separate() || is_occlusion
