@@ -137,7 +137,7 @@ pub fn sizes_text(sizes: &[[u32; 2]]) -> String {
     const FEW: usize = 4;
     let all: Vec<String> = sizes.iter().map(|[width, height]| format!("{width}×{height}")).collect();
     match all.as_slice() {
-        [rest @ .., last] if rest.is_empty() => last.clone(),
+        [only] => only.clone(),
         [first, .., last] if all.len() > FEW => format!("{first} to {last}"),
         [rest @ .., last] => format!("{} and {last}", rest.join(", ")),
         [] => String::new(),

@@ -302,10 +302,11 @@ fn levels(figures: &Figures, table: &mut Table) {
     }
 }
 
-/// Returns `true` if maps were baked, but not normals.
+/// Returns `true` if maps were baked as requested, but not normals.
 fn lacks_normals(report: &Report) -> bool {
     let mut maps = report.maps.iter().filter(|note| note.channel.is_none());
-    !report.maps.is_empty() && !maps.any(|note| note.map == MapKind::Normal)
+    let is_searched = !report.trials.is_empty();
+    !report.maps.is_empty() && !is_searched && !maps.any(|note| note.map == MapKind::Normal)
 }
 
 /// Lists the baked maps, none of which is the normal map.

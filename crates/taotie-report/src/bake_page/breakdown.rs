@@ -3,7 +3,6 @@
 
 use crate::table::map_error_texts;
 use crate::{Cell, Column, Section};
-use std::path::Path;
 use taotie::asset::{
     Beyond, Figures, LevelFigures, PartFigures, PartFlip, PartKind, Report, ViewFigures, WorstParts,
 };
@@ -132,9 +131,11 @@ pub(super) fn materials(parts: &[PartFigures]) -> Option<Section> {
 pub(super) fn maps(report: &Report) -> Option<Section> {
     let mut rows = Vec::new();
     for (note, error) in report.maps.iter().filter_map(|note| Some((note, note.error.as_ref()?))) {
-        let file = note.file.as_deref().and_then(Path::file_name).unwrap_or_default();
-        let words =
-            [&note.title(), note.material.as_deref().unwrap_or(""), &file.to_string_lossy()].map(Cell::text);
+        let file = match note.file.as_deref() {
+            Some(file) => file.file_name().unwrap_or_default().to_string_lossy(),
+            None => "in the model file".into(),
+        };
+        let words = [&note.title(), note.material.as_deref().unwrap_or(""), &file].map(Cell::text);
         let numbers = map_error_texts(error, report.unit).map(Cell::text);
         let unseen = Cell::number(error.unseen * 100.0, 1);
         rows.push(words.into_iter().chain(numbers).chain([unseen]).collect());

@@ -49,8 +49,11 @@ fn errors(written: &WrittenAsset, scan: &Scan) -> BTreeMap<String, (f64, String)
     found.collect()
 }
 
+/// Returns a texel of a picture, given all of them and its index.
+type Texel<'a> = &'a dyn Fn(&[[u16; 4]], usize) -> [u16; 4];
+
 /// Replaces the texels of a written picture of 16 bits.
-fn repaint(path: &Path, texel: impl Fn(&[[u16; 4]], usize) -> [u16; 4]) {
+fn repaint(path: &Path, texel: Texel<'_>) {
     let bitmap = taotie_io::read_bitmap(path).unwrap();
     let Texels::U16(all) = bitmap.texels() else { panic!("16 bits") };
     let texels = Texels::U16((0..all.len()).map(|i| texel(all, i)).collect());
@@ -141,7 +144,7 @@ fn packed_channels_that_were_changed_are_found() {
     let original = std::fs::read(&packed).unwrap();
     let before = errors(&written, &scan);
     let titles = ["dirt R (1-ao)", "dirt G (height)", "dirt B (position.g)", "dirt A (normal.g)"];
-    let grown = |what: &str, texel: &dyn Fn(&[[u16; 4]], usize) -> [u16; 4]| {
+    let grown = |what: &str, texel: Texel<'_>| {
         std::fs::write(&packed, &original).unwrap();
         repaint(&packed, texel);
         let after = errors(&written, &scan);
@@ -183,9 +186,9 @@ fn occlusion_inside_a_model_is_that_of_its_file() {
     let mean = |written: &WrittenAsset| errors(written, &scan)["ao"].0;
     let written = write(options(&maps), "out.glb", &Packing::default());
     let own = mean(&written);
-    let alone = mean(&write(options(&maps), "alone.png", &Packing::default()));
-    println!("in the model {own:.5}, as a file {alone:.5}");
-    assert!(own < 0.01 && (own - alone).abs() < 1e-5, "the same codes, by the same measurement");
+    let separate = mean(&write(options(&maps), "separate.png", &Packing::default()));
+    println!("in the model {own:.5}, as a file {separate:.5}");
+    assert!(own < 0.01 && (own - separate).abs() < 1e-5, "the same codes, by the same measurement");
     // The loss of the format counts: WebP of low quality.
     let packed = Packing { images: "webp:90/webp/webp:20".parse().unwrap(), ..Packing::default() };
     let lossy = mean(&write(options(&maps), "lossy.glb", &packed));

@@ -208,7 +208,7 @@ impl ScanFile {
         self.about.models.first().map_or_else(|| "a model in memory".into(), name)
     }
 
-    /// Returns what it takes of the limits for further files.
+    /// Returns the resources that count against the limits of further files.
     fn used(&self) -> Used {
         let size = &self.about.size;
         Used { memory: Bytes(size.mesh_bytes()), triangles: size.triangles }
