@@ -33,7 +33,7 @@ pub use bitmap::{
 };
 pub use file::{FileHash, file_size, read as read_bytes, sha256, sha256_of};
 pub use json::Json;
-pub use limits::{Bytes, Limits, Stopwatch, free_memory, limits_note, most_threads};
+pub use limits::{Bytes, Limits, Stopwatch, Used, free_memory, limits_note, most_threads};
 pub use loaded::{GltfStructure, Loaded, Objects, RootNode, Variants};
 pub use reading::names_network;
 pub use text::{HIGH_MARK, LOW_MARK, decode_text, name_before, quote};
@@ -123,14 +123,8 @@ fn load(
     // Content that readers reduce to a warning, such as a skipped image, still counts towards the limits.
     reading.check()?;
     let loaded = with_size(loaded?, path)?;
-    let triangles = loaded.scene.triangle_count() as u64;
-    match triangles > limits.triangles {
-        true => Err(Error::limit(
-            format!("{}: a model of {triangles} triangles", path.display()),
-            format!("the maximum is {}; simplify the model", limits.triangles),
-        )),
-        false => Ok(loaded),
-    }
+    limits.check_triangles(path.display(), loaded.scene.triangle_count() as u64)?;
+    Ok(loaded)
 }
 
 /// Reads the bytes of a GLB that refers to no files, at its finest level of detail, within limits.

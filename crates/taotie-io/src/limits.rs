@@ -18,7 +18,9 @@ use taotie_engine::error::{Error, Result};
 /// assert_eq!(most.to_string(), "1.5 GiB");
 /// # Ok::<(), taotie_engine::Error>(())
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize,
+)]
 pub struct Bytes(pub u64);
 
 impl FromStr for Bytes {
@@ -57,6 +59,26 @@ impl fmt::Display for Bytes {
     }
 }
 
+/// Resources that content takes.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Used {
+    /// Its memory.
+    pub memory: Bytes,
+    /// Triangles of its models, over all instances.
+    pub triangles: u64,
+}
+
+impl Used {
+    /// Returns the sum of both.
+    #[must_use]
+    pub fn and(self, o: Self) -> Self {
+        Self {
+            memory: Bytes(self.memory.0.saturating_add(o.memory.0)),
+            triangles: self.triangles.saturating_add(o.triangles),
+        }
+    }
+}
+
 /// Limits on the resources that work may use, and on the files that a model may cause to be read.
 ///
 /// ```
@@ -79,6 +101,9 @@ pub struct Limits {
     pub nodes: u64,
     /// `true` if files outside the model's folder are read too, when the model refers to them.
     pub allow_outside: bool,
+    /// The part of the limits that content read before takes.
+    #[serde(skip)]
+    pub used: Used,
 }
 
 impl Default for Limits {
@@ -91,6 +116,7 @@ impl Default for Limits {
             triangles: u32::MAX as u64 - 1,
             nodes: 1 << 24,
             allow_outside: false,
+            used: Used::default(),
         }
     }
 }
@@ -106,6 +132,40 @@ impl Limits {
         Self { memory: Some(Bytes(u64::MAX)), ..Self::default() }
     }
 
+    /// Returns the memory that further content may take; `None` if it is unlimited.
+    pub fn memory_left(&self) -> Option<Bytes> {
+        self.memory.map(|limit| Bytes(limit.0.saturating_sub(self.used.memory.0)))
+    }
+
+    /// Rejects a model with more triangles than allowed. `what` is its file.
+    ///
+    /// # Errors
+    /// [`Error::Limit`], with all figures.
+    pub fn check_triangles(&self, what: impl fmt::Display, triangles: u64) -> Result<()> {
+        let Self { triangles: most, used, .. } = self;
+        match used.triangles.saturating_add(triangles) > *most {
+            true => Err(Error::limit(
+                format!("{what}: a model of {triangles} triangles"),
+                match used.triangles {
+                    0 => format!("the maximum is {most}; simplify the model"),
+                    used => format!(
+                        "the maximum is {most}, of which the files before it have {used}; simplify the models"
+                    ),
+                },
+            )),
+            false => Ok(()),
+        }
+    }
+
+    /// Returns the memory limit with the part that is used, for messages.
+    fn memory_text(&self) -> String {
+        let limit = self.memory.unwrap_or_default();
+        match self.used.memory {
+            Bytes(0) => limit.to_string(),
+            used => format!("{limit}, of which the files before it use {used}"),
+        }
+    }
+
     /// Rejects work that needs more memory than allowed. `what` is the work.
     ///
     /// ```
@@ -118,14 +178,15 @@ impl Limits {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Limit`], with both figures.
+    /// [`Error::Limit`], with both figures, and with what is used already.
     pub fn check(&self, what: impl Into<String>, need: Bytes) -> Result<()> {
-        match self.memory {
-            Some(limit) if need > limit => Err(Error::limit(
+        match self.memory_left() {
+            Some(left) if need > left => Err(Error::limit(
                 what,
                 format!(
-                    "it needs about {need} of memory, but the limit is {limit}; raise it with --memory-limit, free \
-                     memory, or request less{}",
+                    "it needs about {need} of memory, but the limit is {}; raise it with --memory-limit, free memory, or \
+                     request less{}",
+                    self.memory_text(),
                     limits_note()
                 ),
             )),
@@ -137,12 +198,13 @@ impl Limits {
     pub fn check_file(self, path: &Path) -> Result<()> {
         // Reading reports the error for a file without a size.
         let Ok(size) = file_size(path).map(Bytes) else { return Ok(()) };
-        match self.memory {
-            Some(limit) if size > limit => Err(Error::limit(
+        match self.memory_left() {
+            Some(left) if size > left => Err(Error::limit(
                 path.display().to_string(),
                 format!(
-                    "its size is {size}, but the limit is {limit}; raise the memory limit, free memory, or simplify \
-                     the scan first{}",
+                    "its size is {size}, but the limit is {}; raise the memory limit, free memory, or simplify the scan \
+                     first{}",
+                    self.memory_text(),
                     limits_note()
                 ),
             )),

@@ -61,7 +61,7 @@ impl Reading {
     pub fn take(&self, bytes: u64) -> bool {
         let before = self.wanted.fetch_add(bytes, Ordering::Relaxed);
         let wanted = Bytes(before.saturating_add(bytes));
-        self.within(wanted).memory.is_none_or(|most| wanted <= most)
+        self.within(wanted).memory_left().is_none_or(|left| wanted <= left)
     }
 
     /// Returns the limits that apply to `wanted` bytes. The machine's free memory is queried only if it matters.
@@ -78,8 +78,8 @@ impl Reading {
 
     /// Returns how many bytes may still be allocated.
     pub fn left(&self) -> u64 {
-        let most = self.within(Bytes(u64::MAX)).memory.map_or(u64::MAX, |most| most.0);
-        most.saturating_sub(self.wanted.load(Ordering::Relaxed))
+        let left = self.within(Bytes(u64::MAX)).memory_left().map_or(u64::MAX, |left| left.0);
+        left.saturating_sub(self.wanted.load(Ordering::Relaxed))
     }
 
     /// Fails if the memory requested so far, including rejected requests, exceeds the limit.

@@ -132,6 +132,18 @@ pub fn summary_text(summary: &Summary, digits: usize, unit: &str) -> String {
     format!("mean {mean}, median {median}, quartiles {first} and {third}, p95 {p95}, max {max}")
 }
 
+/// Returns sizes of maps in words, given the largest first: all of a few, or the largest and the smallest.
+pub fn sizes_text(sizes: &[[u32; 2]]) -> String {
+    const FEW: usize = 4;
+    let all: Vec<String> = sizes.iter().map(|[width, height]| format!("{width}×{height}")).collect();
+    match all.as_slice() {
+        [only] => only.clone(),
+        [first, .., last] if all.len() > FEW => format!("{first} to {last}"),
+        [rest @ .., last] => format!("{} and {last}", rest.join(", ")),
+        [] => String::new(),
+    }
+}
+
 /// Returns the mean, p95 and maximum of a map's errors; lengths are in the unit of the figures.
 pub fn map_error_texts(MapError { unit, summary, .. }: &MapError, of_figures: Option<Unit>) -> [String; 3] {
     let text = |value: f64| match unit.as_str() {
@@ -160,6 +172,16 @@ fn quoted(cell: String) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn sizes_are_all_stated_or_their_ends() {
+        let of = |sides: &[u32]| sizes_text(&sides.iter().map(|side| [*side, 64]).collect::<Vec<_>>());
+        assert_eq!(of(&[]), "");
+        assert_eq!(of(&[128]), "128×64");
+        assert_eq!(of(&[128, 64]), "128×64 and 64×64");
+        assert_eq!(of(&[128, 96, 64]), "128×64, 96×64 and 64×64");
+        assert_eq!(of(&[128, 96, 64, 48, 32]), "128×64 to 32×64");
+    }
 
     #[test]
     fn columns_are_aligned() {

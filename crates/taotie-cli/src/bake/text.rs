@@ -6,25 +6,30 @@ use taotie::asset::{
     BakeFigures, Beyond, Figures, LevelFigures, MaterialFigures, PartFigures, Report, RequirementOutcome,
     Trial, ViewFigures, WorstParts,
 };
+use taotie_engine::bake::MapKind;
 use taotie_engine::compare::Summary;
 use taotie_engine::length::{ShownLength, Unit, place_text, texel_text};
-use taotie_engine::names::Named;
 use taotie_engine::proof::{Region, WorstRegions};
 use taotie_engine::surface::{Noise, NoiseChange};
-use taotie_report::table::{Table, map_error_texts, summary_text};
+use taotie_report::table::{Table, map_error_texts, sizes_text, summary_text};
 
 /// Formats the report as aligned lines.
 pub fn of(report: &Report) -> String {
     let triangles: Vec<String> = report.triangles.iter().map(ToString::to_string).collect();
     let mut text = format!("{} triangles onto {}", report.high_triangles, triangles.join(", "));
-    if report.size != [0; 2] {
-        let _ = write!(text, ", maps of {}×{}", report.size[0], report.size[1]);
+    if !report.sizes.is_empty() {
+        let _ = write!(text, ", maps of {}", sizes_text(&report.sizes));
     }
     text.push('\n');
     text.extend(chosen_trial(report).map(|line| line + "\n"));
     let mut table = Table::untitled(&["", ""]);
     if !report.origin.groups.is_empty() {
         table.row(["matched by name".into(), report.origin.groups.join(", ")]);
+    }
+    let lacks_normals = lacks_normals(report);
+    if lacks_normals {
+        table.row(["baked".into(), baked_without_normals(report)]);
+        map_errors(report).into_iter().for_each(|row| table.row(row));
     }
     if !report.carried.is_empty() {
         table.row(["carried".into(), report.carried.join(", ")]);
@@ -47,7 +52,9 @@ pub fn of(report: &Report) -> String {
         }
         levels(figures, &mut table);
         figures.parts.iter().for_each(|part| table.row([part.material.clone(), of_part(part)]));
-        map_errors(report).into_iter().for_each(|row| table.row(row));
+        if !lacks_normals {
+            map_errors(report).into_iter().for_each(|row| table.row(row));
+        }
         let unproved = report.bake.iter().flat_map(|bake| &bake.unproved_maps);
         let unseen: Vec<&str> = figures.unseen.iter().chain(unproved).map(String::as_str).collect();
         if !unseen.is_empty() {
@@ -295,6 +302,25 @@ fn levels(figures: &Figures, table: &mut Table) {
     }
 }
 
+/// Returns `true` if maps were baked as requested, but not normals.
+fn lacks_normals(report: &Report) -> bool {
+    let mut maps = report.maps.iter().filter(|note| note.channel.is_none());
+    let is_searched = !report.trials.is_empty();
+    !report.maps.is_empty() && !is_searched && !maps.any(|note| note.map == MapKind::Normal)
+}
+
+/// Lists the baked maps, none of which is the normal map.
+fn baked_without_normals(report: &Report) -> String {
+    let mut maps: Vec<String> = Vec::new();
+    for note in &report.maps {
+        let name = note.title();
+        if !maps.contains(&name) {
+            maps.push(name);
+        }
+    }
+    format!("{}; no normal map: normal errors are those of the mesh", maps.join(", "))
+}
+
 /// Describes what black and white mean in the maps that store numbers in a range.
 fn map_ranges(report: &Report) -> Vec<[String; 2]> {
     let ranges = report.maps.iter().filter_map(|note| {
@@ -302,7 +328,7 @@ fn map_ranges(report: &Report) -> Vec<[String; 2]> {
         let material = note.material.as_ref().map_or(String::new(), |material| format!(" of {material}"));
         let unit = if note.unit.is_empty() { String::new() } else { format!(" {}", note.unit) };
         let origin = note.origin.map_or(String::new(), |[x, y, z]| format!(", from ({x}, {y}, {z})"));
-        let name = note.map.name();
+        let name = note.title();
         Some([format!("range of {name}{material}"), format!("black is {black}, white {white}{unit}{origin}")])
     });
     ranges.collect()
@@ -320,7 +346,7 @@ fn map_errors(report: &Report) -> Vec<[String; 2]> {
             _ => String::new(),
         };
         let text = format!("mean {mean}, p95 {p95}, max {max}{unseen}");
-        rows.push([format!("error of {}{material}", note.map.name()), text]);
+        rows.push([format!("error of {}{material}", note.title()), text]);
     }
     rows
 }

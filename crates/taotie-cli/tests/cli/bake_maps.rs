@@ -160,6 +160,10 @@ fn materials_have_maps_of_their_own_size() {
     let report = place.json(&format!("{line} --sizes wood=32,cloth=128"));
     assert_eq!([side("wood"), side("iron"), side("cloth")], [32, 64, 128]);
     assert_eq!(report["parameters"]["sizes"], "cloth=128,wood=32");
+    let printed = place.text(&format!("{} --sizes wood=32,cloth=128", line.replace(" --json", "")));
+    assert!(printed.contains("maps of 128×128, 64×64 and 32×32\n"), "{printed}");
+    let page = String::from_utf8(place.read("out.report.html")).unwrap();
+    assert!(page.contains("Maps of 128×128, 64×64 and 32×32 texels."));
     assert!(report["bake"]["uv_use"].as_f64().unwrap() <= 1.0);
     let unknown = place.taotie(&format!("{line} --sizes gold=32")).assert().code(2);
     let said = String::from_utf8_lossy(&unknown.get_output().stderr).into_owned();
@@ -240,6 +244,17 @@ fn channels_hold_what_their_maps_hold() {
         "out.orm.png B metallic-roughness",
     ];
     assert_eq!(packed, wanted);
+    for note in report["maps"].as_array().unwrap().iter().filter(|note| note["channel"].is_string()) {
+        let mean = note["error"]["mean"].as_f64().unwrap_or_else(|| panic!("no error: {note}"));
+        assert!(mean < 0.05, "{note}");
+    }
+    assert_eq!(report["bake"]["unproved_maps"], json!([]));
+    let printed = place.text(&format!("{} -o out.png", line.replace(" --json", "")));
+    for row in
+        ["error of unity-mask A (1-roughness)", "error of dirt G (height)", "error of dirt A (normal.g)"]
+    {
+        assert!(printed.contains(row), "{row}: {printed}");
+    }
     let of_asset = place.json(&format!("{line} -o out.glb"));
     assert!(place.files().contains(&"out.dirt.png".to_owned()), "{of_asset}");
     let asset = document(&place, "out.glb");
@@ -247,6 +262,20 @@ fn channels_hold_what_their_maps_hold() {
     assert_eq!((&about["file"], &about["G"]["map"]), (&json!("out.dirt.png"), &json!("height")));
     assert_eq!((&about["R"]["black"], &about["R"]["white"]), (&json!(1.0), &json!(0.0)), "open is black");
     assert_eq!(about["G"]["black"], note(&of_asset, "height")["black"]);
+}
+
+#[test]
+fn a_bake_without_normals_says_what_it_baked() {
+    let place = Place::with("scan.obj", SCAN.obj());
+    place.write("low.obj", LOW.obj());
+    let line = "bake scan.obj --low low.obj -o out.png --size 32 --ao-rays 16 --maps ao,height";
+    let printed = place.text(&format!("{line} --channels x:R=ao,G=height,B=0"));
+    let wanted = "ao, height, x R (ao), x G (height); no normal map: normal errors are those of the mesh";
+    assert!(printed.contains(wanted), "{printed}");
+    let at = |text: &str| printed.find(text).unwrap_or_else(|| panic!("no {text}: {printed}"));
+    assert!(at("error of x G (height)") < at("normal error as seen"), "{printed}");
+    let with = place.text(&line.replace("ao,height", "normal,ao"));
+    assert!(!with.contains("no normal map"), "{with}");
 }
 
 #[test]

@@ -9,7 +9,7 @@ use super::pictures::write_square;
 use super::place::Place;
 use serde_json::{Value, json};
 use taotie_engine::image::Encoding;
-use taotie_io::PngSamples;
+use taotie_io::{Bytes, PngSamples};
 
 const BODY: Ball = Ball { rings: 24, meridians: 48, ..SCAN };
 /// A ball that reaches into the body.
@@ -94,6 +94,12 @@ fn several_files_are_baked_and_proved_as_one_with_all_their_objects() {
     }
     let part = place.taotie("verify out.glb --scan body_high.obj --require missed=1%").assert().code(1);
     assert!(String::from_utf8_lossy(&part.get_output().stdout).contains("NOT met: missed"));
+
+    let page = String::from_utf8(place.read("out.report.html")).unwrap();
+    let files = &page[page.find("SHA-256").unwrap()..];
+    let hash = |file: &Value| files.find(file["sha256"].as_str().unwrap()).expect("it is listed");
+    let scan = certificate["scan"].as_array().unwrap();
+    assert!(hash(&scan[0]) < hash(&scan[1]) && hash(&scan[1]) < hash(&certificate["asset"][0]));
 
     let shown =
         place.json("view out.glb --scan body_high.obj --scan Lid_high.obj --publish-scan -o v.html --json");
@@ -196,6 +202,9 @@ fn files_that_cannot_be_one_scan_are_refused() {
     let size = place.read("a.obj").len();
     let said = bake(&format!("b.obj a.obj --memory-limit {}", 4 * size + 20_000));
     assert!(said.contains("a.obj is too large"), "{said}");
+    let limit =
+        format!("the limit is {}, of which the files before it use", Bytes((4 * size + 20_000) as u64));
+    assert!(said.contains(&limit), "{said}");
     let said = bake(&format!("a.obj --memory-limit {}", 4 * size + 20_000));
     assert!(said.contains("a bake of"), "{said}");
 }
@@ -228,6 +237,39 @@ fn contents_that_only_one_file_can_keep_are_counted() {
     let asset = document(&place, "out.glb");
     assert_eq!(asset["asset"]["copyright"], "A museum; B museum");
     assert!(asset["animations"].is_null());
+}
+
+/// Formats have different defaults, which are not a difference of the surfaces.
+#[test]
+fn files_without_materials_need_no_maps_of_them() {
+    let place = Place::with("body.obj", BODY.obj());
+    place.write("lid.obj", LID.obj());
+    place.taotie("bake lid.obj -o lid.glb --triangles 2000 --size 64 --no-verify").assert().success();
+    let maps = |materials: Option<Value>| {
+        let mut glb = Glb::read(&place.read("lid.glb"));
+        match materials {
+            Some(materials) => glb.json["materials"] = materials,
+            None => {
+                glb.json.as_object_mut().unwrap().remove("materials");
+                glb.json["meshes"][0]["primitives"][0].as_object_mut().unwrap().remove("material");
+            }
+        }
+        place.write("plain.glb", glb.file());
+        let line =
+            "bake body.obj plain.glb --unit m -o out.glb --triangles 1000 --size 64 --no-verify --json";
+        let report = place.json(line);
+        report["parameters"]["maps"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|map| map.as_str().unwrap().to_owned())
+            .collect()
+    };
+    let (none, default): (Vec<String>, Vec<String>) =
+        (maps(None), maps(Some(json!([{ "name": "default" }]))));
+    assert_eq!((none, default), (vec!["normal".to_owned()], vec!["normal".to_owned()]));
+    let rough = json!([{ "pbrMetallicRoughness": { "roughnessFactor": 0.3 } }]);
+    assert!(maps(Some(rough)).contains(&"metallic-roughness".to_owned()));
 }
 
 /// A search packs them as one model if nothing smaller looks the same.

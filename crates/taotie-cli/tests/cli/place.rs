@@ -73,6 +73,12 @@ impl Place {
         schemas::check_printed(line.split_whitespace(), &document);
         document
     }
+
+    /// Runs a command that must succeed, and returns its stdout as text.
+    pub fn text(&self, line: &str) -> String {
+        let assert = self.taotie(line).assert().success();
+        String::from_utf8(assert.get_output().stdout.clone()).expect("stdout is text")
+    }
 }
 
 /// Returns options for a proof in a tenth of the time, unless the test states what it needs.

@@ -6,7 +6,8 @@
 //! the point that they state. Only if points of the same uv correspond, it is that point, which the bake uses too.
 
 use crate::bake::{
-    Bevel, Cage, Correspondence, MapKind, ProjectionRay, Scan, Seen, Target, facet_of, mean_curvatures,
+    Bevel, Cage, Correspondence, LookupPoint, MapKind, ProjectionRay, Scan, Seen, Target, facet_of,
+    mean_curvatures,
 };
 use crate::compare::{Field, Summary, angle_deg, color_difference};
 use crate::error::Result;
@@ -15,7 +16,7 @@ use crate::mesh::{Mesh, Point, TangentFrame, blend, each, sample_area};
 use crate::parallel;
 use crate::scene::NormalSpace;
 use crate::shade::sampling::cosine_direction;
-use crate::surface::{facet_normal, tangent_normal};
+use crate::surface::{facet_normal, tangent_normal, tangent_space_normal};
 use crate::trace::Ray;
 
 /// The error of a map, at points that see the scan.
@@ -33,11 +34,13 @@ pub struct MapError {
 /// A map as its file stores it.
 #[derive(Clone, Copy)]
 pub struct StoredMap<'a> {
-    /// The kind of map.
+    /// The kind of map; of metallic-roughness, only the metalness is compared.
     pub kind: MapKind,
     /// The space of directions and displacements.
     pub space: NormalSpace,
-    /// Returns the vector, colour (linear RGB) or number at a uv; numbers are the first component.
+    /// The component of vectors and colours that is stored, 0 to 2; `None` if all are, and for numbers.
+    pub component: Option<usize>,
+    /// Returns the vector, colour (linear RGB) or number at a uv; numbers and single components are the first.
     pub value: &'a (dyn Fn(Vec2) -> Vec3 + Sync),
 }
 
@@ -56,6 +59,8 @@ pub struct MapCheck<'a> {
     pub sky_distance: Option<f32>,
     /// The radius of rounded edges, in model units; `None` for the default of a bake.
     pub bevel_radius: Option<f32>,
+    /// The roughness that replaces that of the scan's materials, [0, 1]; `None` for theirs.
+    pub roughness: Option<f32>,
 }
 
 /// Points at which a map is compared.
@@ -70,10 +75,10 @@ const REACH: f32 = 0.02;
 const OFFSET: f32 = 1e-5;
 
 impl MapCheck<'_> {
-    /// Measures the error of a map, in `unit`: angles in degrees; CIEDE2000; differences of fractions, numbers and
-    /// curvatures; the distance of positions and displaced points from the point seen, and of points at a height from the
-    /// scan, in model units; 1 or 0 for labels. `None` if no point sees the scan, and for maps that are not of the scan:
-    /// wireframes.
+    /// Measures the error of a map, in `unit`: angles in degrees; CIEDE2000; differences of fractions, numbers,
+    /// curvatures and single components; the distance of positions and displaced points from the point seen, and of points
+    /// at a height from the scan, in model units; 1 or 0 for labels. `None` if no point sees the scan, and for maps that
+    /// are not of the scan: wireframes.
     ///
     /// # Errors
     /// [`crate::Error::Invalid`] if the mesh has no area.
@@ -102,15 +107,15 @@ impl MapCheck<'_> {
         let mesh = self.scan.mesh();
         let seen = Seen { scan: self.scan, among: ray.among.filter(|_| self.isolated) };
         let around = Around::of(seen, &found, (known.diagonal * OFFSET, seed));
-        let angle = |expected: Vec3| {
-            let is_in_world = map.kind == MapKind::WorldNormal || map.space == NormalSpace::Object;
-            let stored = if is_in_world { stored } else { self.shown(point, stored) };
-            Some(angle_deg(stored.to_f64(), expected.to_f64()) as f32)
-        };
+        let position = found.point.position(mesh);
         match map.kind {
-            MapKind::Normal | MapKind::WorldNormal => angle(self.scan.mapped_normal(&found, 0.0).normal),
-            MapKind::Bent => angle(around.open(self.sky_distance)?.1),
-            MapKind::Bevel => angle(known.bevel.as_ref()?.normal(seen, &found, 0)),
+            MapKind::Normal | MapKind::WorldNormal => {
+                Some(self.turn(map, (point, stored), self.scan.mapped_normal(&found, 0.0).normal))
+            }
+            MapKind::Bent => Some(self.turn(map, (point, stored), around.open(self.sky_distance)?.1)),
+            MapKind::Bevel => {
+                Some(self.turn(map, (point, stored), known.bevel.as_ref()?.normal(seen, &found, 0)))
+            }
             MapKind::Occlusion => Some((stored.x - around.open(self.sky_distance)?.0).abs()),
             MapKind::Thickness => Some((stored.x - around.thickness()).abs()),
             MapKind::Curvature | MapKind::Convexity | MapKind::Concavity => {
@@ -118,7 +123,7 @@ impl MapCheck<'_> {
                     blend(each(found.point.vertices(mesh), |v| known.curvatures[v]), found.point.weights);
                 Some((stored.x - map.kind.of_curvature(curvature)).abs())
             }
-            MapKind::Position => Some((stored - found.point.position(mesh)).length()),
+            MapKind::Position => Some(map.distance(stored, position)),
             MapKind::Height if ray.target != Target::OnRay => Some((stored.x - found.height).abs()),
             MapKind::Height => {
                 let ray = self.cage.projection_ray(self.low, point);
@@ -126,15 +131,13 @@ impl MapCheck<'_> {
                 Some(self.scan.bvh().closest(at, f32::INFINITY)?.distance)
             }
             MapKind::VectorDisplacement => {
-                let at = ray.point + self.displacement(map, point, stored);
-                Some((at - found.point.position(mesh)).length())
+                let expected = Axes::of(self.low, map.space, point).components(position - ray.point);
+                Some(map.distance(stored, expected))
             }
-            MapKind::Gradient => {
-                Some((stored.x - MapKind::gradient(found.point.position(mesh).y, known.extent)).abs())
-            }
+            MapKind::Gradient => Some((stored.x - MapKind::gradient(position.y, known.extent)).abs()),
             MapKind::VertexColor => {
                 let color = if mesh.colors().is_empty() { Vec3::default() } else { found.point.color(mesh) };
-                Some(color_difference(stored.to_array(), color.to_array()) as f32)
+                Some(map.color_error(stored, color))
             }
             MapKind::MaterialId => {
                 Some(is_other(stored, self.scan.surface().material_number(found.point.triangle)))
@@ -145,8 +148,38 @@ impl MapCheck<'_> {
             | MapKind::Roughness
             | MapKind::MetallicRoughness
             | MapKind::Alpha
-            | MapKind::OcclusionMap
-            | MapKind::Wireframe => None,
+            | MapKind::OcclusionMap => self.material_error(map, stored, &found),
+            MapKind::Wireframe => None,
+        }
+    }
+
+    /// Returns the difference from the scan's material; `None` for the colour of an invisible point.
+    fn material_error(&self, map: &StoredMap<'_>, stored: Vec3, found: &Correspondence) -> Option<f32> {
+        let sample = self.scan.sample(LookupPoint::finest(found.point));
+        let expected = match map.kind {
+            MapKind::Albedo => return (sample.alpha > 0.0).then(|| map.color_error(stored, sample.color)),
+            MapKind::Emission => return Some(map.distance(stored, sample.emission)),
+            MapKind::Roughness => self.roughness.unwrap_or(sample.roughness),
+            MapKind::MetallicRoughness => sample.metallic,
+            MapKind::Alpha => sample.alpha,
+            _ => sample.occlusion,
+        };
+        Some((stored.x - expected).abs())
+    }
+
+    /// Returns the angle between the direction that a renderer shows and a unit vector in world space, degrees; of a
+    /// single component, the difference.
+    fn turn(&self, map: &StoredMap<'_>, (point, stored): (Point, Vec3), expected: Vec3) -> f32 {
+        let is_in_world = map.kind == MapKind::WorldNormal || map.space == NormalSpace::Object;
+        let TangentFrame { normal, tangent, handedness } = point.frame(self.low);
+        match map.component {
+            Some(_) if is_in_world => map.distance(stored, expected),
+            Some(_) => map.distance(stored, tangent_space_normal(normal, tangent, handedness, expected)),
+            None => {
+                let shown =
+                    if is_in_world { stored } else { tangent_normal(normal, tangent, handedness, stored) };
+                angle_deg(shown.to_f64(), expected.to_f64()) as f32
+            }
         }
     }
 
@@ -160,22 +193,46 @@ impl MapCheck<'_> {
         let direction = if ray.target == Target::OnRay { direction } else { ray.direction };
         Some(ProjectionRay { direction, distance, ..ray })
     }
+}
 
-    /// Returns the direction that a renderer shows for a vector in tangent space.
-    fn shown(&self, point: Point, v: Vec3) -> Vec3 {
-        let TangentFrame { normal, tangent, handedness } = point.frame(self.low);
-        tangent_normal(normal, tangent, handedness, v)
+impl StoredMap<'_> {
+    /// Returns the distance from another vector, or the difference of the component that is stored.
+    fn distance(&self, stored: Vec3, expected: Vec3) -> f32 {
+        match self.component {
+            None => (stored - expected).length(),
+            Some(0) => (stored.x - expected.x).abs(),
+            Some(1) => (stored.x - expected.y).abs(),
+            Some(_) => (stored.x - expected.z).abs(),
+        }
     }
 
-    /// Returns a displacement in world space; in tangent space, it is along the axes of the frame, made orthonormal.
-    fn displacement(&self, map: &StoredMap<'_>, point: Point, v: Vec3) -> Vec3 {
-        if map.space == NormalSpace::Object {
-            return v;
+    /// Returns CIEDE2000 from another colour, linear RGB, or the difference of the component that is stored.
+    fn color_error(&self, stored: Vec3, expected: Vec3) -> f32 {
+        match self.component {
+            None => color_difference(stored.to_array(), expected.to_array()) as f32,
+            Some(_) => self.distance(stored, expected),
         }
-        let TangentFrame { normal, tangent, handedness } = point.frame(self.low);
+    }
+}
+
+/// The axes of displacements at a point: those of the world, or of the low-poly mesh's frame, made orthonormal.
+struct Axes([Vec3; 3]);
+
+impl Axes {
+    fn of(low: &Mesh, space: NormalSpace, point: Point) -> Self {
+        if space == NormalSpace::Object {
+            return Self([Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, 0.0, 1.0)]);
+        }
+        let TangentFrame { normal, tangent, handedness } = point.frame(low);
         let n = normal.normalize_or(Vec3::new(0.0, 0.0, 1.0));
         let t = (tangent - n * n.dot(tangent)).normalize_or(n.any_perpendicular());
-        t * v.x + n.cross(t) * (v.y * handedness) + n * v.z
+        Self([t, n.cross(t) * handedness, n])
+    }
+
+    /// Returns the components of a vector in world space.
+    fn components(&self, v: Vec3) -> Vec3 {
+        let [x, y, z] = self.0.map(|axis| axis.dot(v));
+        Vec3::new(x, y, z)
     }
 }
 

@@ -98,6 +98,7 @@ fn errors_are_small_and_spoiled_maps_are_found() {
         isolated: false,
         sky_distance: None,
         bevel_radius: None,
+        roughness: None,
     };
     let stored = |kind: MapKind, maps: &BakedMaps, uv: Vec2| {
         let v = value(maps, kind.planes()[0], uv);
@@ -108,7 +109,7 @@ fn errors_are_small_and_spoiled_maps_are_found() {
         }
     };
     let error = |kind: MapKind, value: &(dyn Fn(Vec2) -> Vec3 + Sync)| {
-        let map = StoredMap { kind, space: NormalSpace::Tangent, value };
+        let map = StoredMap { kind, space: NormalSpace::Tangent, component: None, value };
         let found = check.error(&map, "").unwrap().expect("it sees the scan");
         assert!(found.unseen < 0.01, "{kind:?}: {}", found.unseen);
         found.summary.mean
@@ -148,9 +149,98 @@ fn errors_are_small_and_spoiled_maps_are_found() {
     let shifted = error(MapKind::Position, &|uv| stored(MapKind::Position, &maps, uv) * 1.02);
     assert!((0.018..0.03).contains(&shifted), "{shifted}");
     assert_eq!(error(MapKind::MaterialId, &|_| Vec3::splat(7.0)), 1.0);
-    let map =
-        StoredMap { kind: MapKind::Wireframe, space: NormalSpace::Tangent, value: &|_| Vec3::default() };
+    let map = StoredMap {
+        kind: MapKind::Wireframe,
+        space: NormalSpace::Tangent,
+        component: None,
+        value: &|_| Vec3::default(),
+    };
     assert!(check.error(&map, "").unwrap().is_none(), "wireframes are not of the scan");
+}
+
+/// The components of a vector, of which a packed texture may hold any.
+#[test]
+fn a_single_component_is_compared_with_that_of_the_scan() {
+    let (scan, low) = (scan(halves(&bumpy())), low(1.0));
+    let cage = Cage::automatic(&low, &scan);
+    let kinds = [
+        MapKind::Normal,
+        MapKind::WorldNormal,
+        MapKind::Bent,
+        MapKind::Bevel,
+        MapKind::Position,
+        MapKind::VectorDisplacement,
+        MapKind::VertexColor,
+        MapKind::Albedo,
+    ];
+    for space in [NormalSpace::Tangent, NormalSpace::Object] {
+        let maps = kinds.into_iter().collect();
+        let maps = baked(&low, (&scan, &cage), BakeSettings { maps, space, ..BakeSettings::default() });
+        let check = MapCheck {
+            low: &low,
+            cage: &cage,
+            scan: &scan,
+            isolated: false,
+            sky_distance: None,
+            bevel_radius: None,
+            roughness: None,
+        };
+        let error = |kind: MapKind, component: usize, stored: usize| {
+            let plane = kind.planes()[0];
+            let value = |uv: Vec2| Vec3::splat(value(&maps, plane, uv).to_array()[stored]);
+            let map = StoredMap { kind, space, component: Some(component), value: &value };
+            check.error(&map, "").unwrap().expect("it sees the scan").summary.mean
+        };
+        for kind in kinds {
+            for component in 0..3 {
+                let own = error(kind, component, component);
+                // Along the first two, displacements in tangent space are both small.
+                let other = error(kind, component, if component < 2 { 2 } else { 0 });
+                println!("{kind:?} {component} in {space:?} space: {own:.5}, another component {other:.5}");
+                assert!(own < 0.03 && other > 3.0 * own, "{kind:?} {component}: {own}, {other}");
+            }
+        }
+    }
+}
+
+/// A rectangle with a corner and two sides; its uvs are the shares of the sides.
+fn rectangle(corner: Vec3, [a, b]: [Vec3; 2]) -> Mesh {
+    let positions = vec![corner, corner + a, corner + a + b, corner + b];
+    let uvs = vec![[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[x, y]| Vec2::new(x, y)).to_vec()];
+    let triangles = vec![[0, 1, 2], [0, 2, 3]];
+    let bare = Mesh::new(MeshData { positions, uvs, triangles, ..MeshData::default() }).unwrap();
+    with_frames(&bare, 0, None).unwrap().0.into_owned()
+}
+
+/// A floor in front of a long wall of height 1, whose open share is (1 + d / √(d² + 1)) / 2 at a distance d: the map has no
+/// error, so what is measured is the noise of the reference.
+#[test]
+fn the_reference_of_occlusion_has_little_noise() {
+    const HALF: f32 = 40.0;
+    let [x, y, z] = [Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, 0.0, 1.0)];
+    let floor = rectangle(z * -HALF, [z * (2.0 * HALF), x * 4.0]);
+    let wall = rectangle(z * -HALF, [y, z * (2.0 * HALF)]);
+    let scan = scan(vec![floor, wall]);
+    let low = rectangle(z * -1.0, [z * 2.0, x * 2.0]);
+    let cage = Cage::automatic(&low, &scan);
+    let check = MapCheck {
+        low: &low,
+        cage: &cage,
+        scan: &scan,
+        isolated: false,
+        sky_distance: None,
+        bevel_radius: None,
+        roughness: None,
+    };
+    let open = |uv: Vec2| {
+        let d = uv.y * 2.0;
+        Vec3::splat((1.0 + d / (d * d + 1.0).sqrt()) / 2.0)
+    };
+    let map =
+        StoredMap { kind: MapKind::Occlusion, space: NormalSpace::Tangent, component: None, value: &open };
+    let found = check.error(&map, "").unwrap().expect("it sees the scan");
+    println!("{found:?}");
+    assert!(found.unseen == 0.0 && found.summary.mean < 0.003 && found.summary.max < 0.015, "{found:?}");
 }
 
 #[test]
@@ -172,9 +262,15 @@ fn isolated_objects_are_not_shaded_by_others() {
             isolated,
             sky_distance: None,
             bevel_radius: None,
+            roughness: None,
         };
         let value = |uv: Vec2| value(&maps, Plane::Occlusion, uv);
-        let map = StoredMap { kind: MapKind::Occlusion, space: NormalSpace::Tangent, value: &value };
+        let map = StoredMap {
+            kind: MapKind::Occlusion,
+            space: NormalSpace::Tangent,
+            component: None,
+            value: &value,
+        };
         let error = check.error(&map, "").unwrap().unwrap().summary;
         let open = maps.covered(Plane::Occlusion);
         (open.iter().sum::<f32>() / open.len() as f32, error.max, maps.covered(Plane::Thickness))

@@ -3,13 +3,11 @@
 
 use crate::table::map_error_texts;
 use crate::{Cell, Column, Section};
-use std::path::Path;
 use taotie::asset::{
     Beyond, Figures, LevelFigures, PartFigures, PartFlip, PartKind, Report, ViewFigures, WorstParts,
 };
 use taotie_engine::compare::Summary;
 use taotie_engine::length::place_text;
-use taotie_engine::names::Named;
 use taotie_engine::proof::{Estimate, Exceedance, PatchQuantity, Region, WorstRegions};
 
 /// The limits to report: degrees, CIEDE2000 and per cent of the diagonal.
@@ -133,9 +131,11 @@ pub(super) fn materials(parts: &[PartFigures]) -> Option<Section> {
 pub(super) fn maps(report: &Report) -> Option<Section> {
     let mut rows = Vec::new();
     for (note, error) in report.maps.iter().filter_map(|note| Some((note, note.error.as_ref()?))) {
-        let file = note.file.as_deref().and_then(Path::file_name).unwrap_or_default();
-        let words = [note.map.name(), note.material.as_deref().unwrap_or(""), &file.to_string_lossy()]
-            .map(Cell::text);
+        let file = match note.file.as_deref() {
+            Some(file) => file.file_name().unwrap_or_default().to_string_lossy(),
+            None => "in the model file".into(),
+        };
+        let words = [&note.title(), note.material.as_deref().unwrap_or(""), &file].map(Cell::text);
         let numbers = map_error_texts(error, report.unit).map(Cell::text);
         let unseen = Cell::number(error.unseen * 100.0, 1);
         rows.push(words.into_iter().chain(numbers).chain([unseen]).collect());
@@ -146,7 +146,7 @@ pub(super) fn maps(report: &Report) -> Option<Section> {
         title: "Errors of other maps".into(),
         note: "Each map as its file stores it, at points spread over the low-poly mesh, compared with the scan straight along \
                the normal of the triangle, or at the same UV if these are matched. Occlusion and thickness are integrated \
-               again, over other directions. Occlusion in a model file is that before it was packed."
+               again, over 512 other directions. A packed channel is compared with what it holds, before it is inverted."
             .into(),
         columns,
         rows,

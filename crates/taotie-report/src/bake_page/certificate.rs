@@ -270,6 +270,11 @@ fn files(certificate: &Certificate) -> PlainTable {
     let mut rows = rows_of_files(certificate);
     let listed = listed_files(certificate);
     let more = rows.len().saturating_sub(listed);
+    // The asset is listed however many files the scan has.
+    let asset = certificate.scan_models.min(certificate.scan.len());
+    if (listed..rows.len()).contains(&asset) {
+        rows.swap(listed - 1, asset);
+    }
     rows.truncate(listed);
     let further = format!(" {more} more are listed under “All files”.");
     PlainTable {
@@ -291,12 +296,12 @@ fn columns_of_files() -> Vec<Column> {
     vec![Column::words("file"), Column::words("name"), Column::numbers("bytes", ""), Column::words("SHA-256")]
 }
 
+/// Returns all files: the models of the scan, those of the asset, its maps, and the other files of the scan.
 fn rows_of_files(certificate: &Certificate) -> Vec<Vec<Cell>> {
     let row = |what: String, file: &HashedFile| {
         let HashedFile { name, bytes, sha256, .. } = file;
         vec![Cell::text(what), Cell::text(name), Cell::number(*bytes as f64, 0), Cell::Code(sha256.clone())]
     };
-    let own = |what: &str, files: &[HashedFile]| files.first().map(|file| row(what.into(), file));
     let map = |map: &HashedMap| {
         let uses = if map.uses.is_empty() { "unused" } else { &map.uses };
         let name = map.file.clone().unwrap_or_else(|| "in the model file".into());
@@ -305,11 +310,14 @@ fn rows_of_files(certificate: &Certificate) -> Vec<Vec<Cell>> {
         vec![Cell::text(format!("map: {uses}")), Cell::text(name), bytes, hash]
     };
     let Certificate { scan, scan_models, asset, maps, .. } = certificate;
-    let models = own("scan", scan).into_iter().chain(own("asset", asset));
-    let of_asset = asset.iter().skip(1).map(|file| row("asset, part".into(), file));
-    let kind = |number: usize| if number < *scan_models { "scan" } else { "scan, part" };
-    let of_scan = scan.iter().enumerate().skip(1).map(|(number, file)| row(kind(number).into(), file));
-    models.chain(of_asset).chain(maps.iter().map(map)).chain(of_scan).collect()
+    let (models, parts) = scan.split_at((*scan_models).min(scan.len()));
+    let of = |what: &str, files: &[HashedFile]| -> Vec<Vec<Cell>> {
+        files.iter().map(|file| row(what.into(), file)).collect()
+    };
+    let (model, others) = asset.split_at(asset.len().min(1));
+    let of_maps: Vec<Vec<Cell>> = maps.iter().map(map).collect();
+    [of("scan", models), of("asset", model), of("asset, part", others), of_maps, of("scan, part", parts)]
+        .concat()
 }
 
 #[cfg(test)]

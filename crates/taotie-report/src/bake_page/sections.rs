@@ -1,7 +1,7 @@
 //! The tables, histogram and texts of a proof page.
 
 use super::breakdown;
-use crate::table::figures;
+use crate::table::{figures, sizes_text};
 use crate::{Cell, Column, Section, Series, Tone};
 use taotie::asset::{
     BakeFigures, FigureUnit, Figures, LevelFigures, MaterialFigures, PartFlip, Report, RequirementOutcome,
@@ -256,12 +256,11 @@ fn rays(report: &Report, bake: &BakeFigures) -> Section {
         row_of_number("samples with no hit (low-poly normal used)", bake.lost_samples * 100.0, percent),
         row_of_number("map area covered by UV islands", bake.uv_use * 100.0, (1, "%")),
     ];
-    let ([width, height], carried) = (report.size, report.carried.join(", "));
+    let (sizes, carried) = (sizes_text(&report.sizes), report.carried.join(", "));
     let carried =
         if carried.is_empty() { carried } else { format!("Carried over from the scan: {carried}. ") };
-    let note = format!(
-        "Maps of {width} × {height} texels. {carried}A ray misses if it hits no surface of the scan that faces it."
-    );
+    let maps = if sizes.is_empty() { sizes } else { format!("Maps of {sizes} texels. ") };
+    let note = format!("{maps}{carried}A ray misses if it hits no surface of the scan that faces it.");
     numbers("The bake", &note, rows)
 }
 

@@ -28,6 +28,7 @@ mod known_distances;
 mod levels;
 mod low_faults;
 mod made_meshes;
+mod map_proofs;
 mod mismatches;
 mod names;
 mod pairs;

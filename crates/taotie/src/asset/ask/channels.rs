@@ -61,6 +61,14 @@ impl Quantity {
             Self::Metallic => MapKind::MetallicRoughness,
         }
     }
+
+    /// Returns the component of vectors and colours that it is; `None` for numbers.
+    pub fn component(self) -> Option<usize> {
+        match self {
+            Self::Component(_, component) => Some(component),
+            Self::Map(_) | Self::Metallic => None,
+        }
+    }
 }
 
 /// The names of channels.
@@ -222,19 +230,21 @@ impl fmt::Display for Channels {
             let comma = if i == 0 { "" } else { "," };
             match source {
                 ChannelSource::Constant(code) => write!(f, "{comma}{channel}={code}")?,
-                ChannelSource::Map(MapChannel { quantity, is_inverted }) => {
-                    let sign = if *is_inverted { "1-" } else { "" };
-                    match quantity {
-                        Quantity::Metallic => write!(f, "{comma}{channel}={sign}{METALLIC}")?,
-                        Quantity::Map(map) => write!(f, "{comma}{channel}={sign}{}", map.name())?,
-                        Quantity::Component(map, k) => {
-                            write!(f, "{comma}{channel}={sign}{}.{}", map.name(), COMPONENTS[*k])?;
-                        }
-                    }
-                }
+                ChannelSource::Map(map) => write!(f, "{comma}{channel}={map}")?,
             }
         }
         Ok(())
+    }
+}
+
+impl fmt::Display for MapChannel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(if self.is_inverted { "1-" } else { "" })?;
+        match self.quantity {
+            Quantity::Metallic => f.write_str(METALLIC),
+            Quantity::Map(map) => f.write_str(map.name()),
+            Quantity::Component(map, k) => write!(f, "{}.{}", map.name(), COMPONENTS[k]),
+        }
     }
 }
 

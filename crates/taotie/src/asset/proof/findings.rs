@@ -8,7 +8,6 @@ use crate::asset::ask::{Figure, Requirement};
 use crate::asset::bake::{INSIDE_OUT, percent, useless_map};
 use crate::asset::source::{Property, is_plain, used_materials};
 use crate::asset::write::MapNote;
-use taotie_engine::bake::MapKind;
 use taotie_engine::error::Warnings;
 use taotie_engine::length::{Unit, place_text, texel_text};
 use taotie_engine::names::Named;
@@ -307,15 +306,14 @@ pub(super) fn unseen([scan, asset]: [&Scene; 2], poses: bool) -> Vec<String> {
     all.chain(reflection).map(str::to_owned).collect()
 }
 
-/// Returns the maps next to an asset that are not compared with anything.
+/// Returns the maps of an asset that are not compared with anything.
 pub(super) fn unproved_maps(maps: &[MapNote]) -> Vec<String> {
-    let has_error = |note: &MapNote| {
-        maps.iter().any(|own| own.map == note.map && own.material == note.material && own.error.is_some())
-    };
-    let is_unseen = |note: &&MapNote| note.map.is_separate() || note.map == MapKind::Occlusion;
     let mut unproved: Vec<String> = Vec::new();
-    for note in maps.iter().filter(is_unseen).filter(|note| !has_error(note)) {
-        let name = format!("{} map", note.map.name());
+    for note in maps.iter().filter(|note| note.is_in_no_figure() && note.error.is_none()) {
+        let name = match note.packed {
+            Some(_) => note.title(),
+            None => format!("{} map", note.title()),
+        };
         if !unproved.contains(&name) {
             unproved.push(name);
         }

@@ -59,8 +59,12 @@ pub struct Report {
     pub origin: Origin,
     /// Triangles of each level of detail, the finest first.
     pub triangles: Vec<usize>,
-    /// Texels across and down; 0 if the asset was not baked here.
+    /// Texels across and down, of the largest maps; 0 if the asset was not baked here.
     pub size: [u32; 2],
+    /// The different sizes of the maps of all materials, the largest first. JSON has them only as requested, among the
+    /// parameters.
+    #[serde(skip)]
+    pub sizes: Vec<[u32; 2]>,
     /// All other options; `None` if the asset was not baked here.
     pub parameters: Option<Parameters>,
     /// The written files; JSON has their names without folders.
@@ -113,7 +117,7 @@ pub struct BakeFigures {
     pub uv_use: f64,
     /// The mean and maximum angle lost to 8 bits, degrees; `None` if no normals are stored that way.
     pub floor_8_bit: Option<[f64; 2]>,
-    /// Maps next to the asset that are not compared with anything.
+    /// Maps and packed channels that are not compared with anything.
     pub unproved_maps: Vec<String>,
 }
 
@@ -186,6 +190,7 @@ impl Report {
             origin: asset.origin().clone(),
             triangles: asset.levels().map(|mesh| mesh.triangles().len()).collect(),
             size: made.size,
+            sizes: sizes(&made.parts),
             parameters: Some(Parameters::new(&made.options, &made.about.options, &written.packing)),
             files: written.files.clone(),
             maps: written.maps(),
@@ -219,6 +224,7 @@ impl Report {
             origin: Origin::default(),
             triangles: proof.figures.levels.iter().map(|level| level.triangles).collect(),
             size: [0; 2],
+            sizes: Vec::new(),
             parameters: None,
             files: Vec::new(),
             maps: Vec::new(),
@@ -255,6 +261,17 @@ impl Report {
     pub fn is_met(&self) -> bool {
         self.required().iter().all(|met| met.met)
     }
+}
+
+/// Returns the different sizes of the maps of all parts that have any, the largest first.
+fn sizes(parts: &[Part]) -> Vec<[u32; 2]> {
+    let mut sizes: Vec<[u32; 2]> =
+        parts.iter().map(|part| part.maps.size).filter(|size| *size != [0; 2]).collect();
+    sizes.sort_unstable_by_key(|[width, height]| {
+        std::cmp::Reverse((u64::from(*width) * u64::from(*height), *width))
+    });
+    sizes.dedup();
+    sizes
 }
 
 /// Returns the properties of the scan's material that the files store.

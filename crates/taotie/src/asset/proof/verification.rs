@@ -21,6 +21,7 @@ use taotie_engine::compare::Field;
 use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::image::{Encoding, Texture};
 use taotie_engine::length::Unit;
+use taotie_engine::math::{Vec2, Vec3};
 use taotie_engine::mesh::Point;
 use taotie_engine::progress::Progress;
 use taotie_engine::proof::{Footprint, MapCheck, MapError, StoredMap};
@@ -277,7 +278,7 @@ impl WrittenAsset {
             progress.begin("read back")?;
             let shown = written.shown()?;
             let noise_maps = written.noise_maps(&scan, &options)?;
-            let maps = written.measured_maps(&scan, progress)?;
+            let maps = written.measured_maps(&scan, &shown.levels[0].scene, progress)?;
             let mut proof = Proof { noise_maps, maps, ..prove(shown, scan, &options, progress)? };
             proof
                 .figures
@@ -313,13 +314,11 @@ impl WrittenAsset {
         Ok(Shown { levels, path, bytes_out, gpu_bytes, is_searched, has_material: true, unit })
     }
 
-    /// Returns the notes on all maps, with the errors of those that no figure covers, as their files store them.
-    /// Occlusion inside a model is that before it was packed.
-    fn measured_maps(&self, scan: &Scan, progress: Progress<'_>) -> Result<Vec<MapNote>> {
-        let mut notes = self.maps();
-        let is_measured = |note: &MapNote| {
-            note.channel.is_none() && (note.map.is_separate() || note.map == MapKind::Occlusion)
-        };
+    /// Returns the notes on all maps, with the errors of those that no figure covers, as their files store them; `shown` is
+    /// the finest level, read back.
+    fn measured_maps(&self, scan: &Scan, shown: &Scene, progress: Progress<'_>) -> Result<Vec<MapNote>> {
+        let notes = self.maps();
+        let is_measured = |note: &MapNote| note.is_in_no_figure() && self.is_of_scan(note, scan);
         if !notes.iter().any(is_measured) {
             return Ok(notes);
         }
@@ -329,6 +328,7 @@ impl WrittenAsset {
         // The scan may be another than that of the bake.
         let uvs = (options.matching == MatchRule::Uv).then(|| UvIndex::of(scan.mesh()).map(Arc::new));
         let uvs = uvs.transpose()?;
+        let mut notes = Vec::with_capacity(notes.len());
         for part in parts {
             let check = MapCheck {
                 low: &part.low.mesh,
@@ -337,37 +337,56 @@ impl WrittenAsset {
                 isolated: options.matching == MatchRule::Isolated,
                 sky_distance: options.ao_distance.map(|v| v as f32),
                 bevel_radius: options.bevel_radius.map(|v| v as f32),
+                roughness: options
+                    .roughness
+                    .filter(|_| options.bakes(&[MapKind::Roughness]))
+                    .map(|v| v as f32),
             };
-            for own in self.maps_of_part(part).iter().filter(|note| is_measured(note)) {
-                let error = self.map_error(part, own, &check)?;
-                let same = notes.iter_mut().filter(|note| *note == own);
-                same.for_each(|note| note.error.clone_from(&error));
+            for mut note in self.maps_of_part(part) {
+                if is_measured(&note) {
+                    note.error = match &note.file {
+                        Some(file) => self.map_error(&note, file, &check)?,
+                        None => occlusion_error(part, &note, (shown, &check))?,
+                    };
+                }
+                notes.push(note);
             }
         }
         Ok(notes)
     }
 
-    fn map_error(&self, part: &Part, note: &MapNote, check: &MapCheck<'_>) -> Result<Option<MapError>> {
-        let space = self.asset.made.options.space;
-        let bitmap = match (&note.file, part.maps.textures.occlusion_texture()) {
-            (Some(file), _) => {
-                taotie_io::read_bitmap_within(&self.set.current(file), &Limits::of_own_files())?
+    /// Returns `true` if a map shows the scan: properties of its material that were not baked are of the low-poly mesh if
+    /// the scan specifies none.
+    fn is_of_scan(&self, note: &MapNote, scan: &Scan) -> bool {
+        use MapKind::{Albedo, Alpha, Emission, MetallicRoughness, Roughness};
+        let options = &self.asset.made.options;
+        match note.map {
+            Roughness => !scan.about.is_plain || options.bakes(&[Roughness, MetallicRoughness]),
+            own @ (Albedo | Alpha | Emission | MetallicRoughness) => {
+                !scan.about.is_plain || options.bakes(&[own])
             }
-            (None, Some(own)) => own.clone(),
-            (None, None) => return Ok(None),
+            _ => true,
+        }
+    }
+
+    fn map_error(&self, note: &MapNote, file: &Path, check: &MapCheck<'_>) -> Result<Option<MapError>> {
+        let space = self.asset.made.options.space;
+        let bitmap = taotie_io::read_bitmap_within(&self.set.current(file), &Limits::of_own_files())?;
+        let component = note.packed.as_ref().and_then(|packed| packed.map.quantity.component());
+        let is_turned = match note.map {
+            MapKind::Bent | MapKind::Bevel | MapKind::Normal => space == NormalSpace::Tangent,
+            _ => false,
         };
-        let is_turned = matches!(note.map, MapKind::Bent | MapKind::Bevel) && space == NormalSpace::Tangent;
         let green = if is_turned { self.packing.green } else { GreenChannel::Up };
         let surface = check.scan.surface();
         let things = surface.part_count().max(surface.material_names().len());
         let values = StoredValues::of(note, bitmap, (green, things as u32));
-        let map = StoredMap { kind: note.map, space, value: &|uv| values.at(uv) };
-        let unit = match note.map.content() {
-            MapContent::Direction => "°",
-            MapContent::Color => "ΔE00",
-            MapContent::Fraction => "",
-            MapContent::Label => "share",
-            MapContent::Length => &note.unit,
+        let map = StoredMap { kind: note.map, space, component, value: &|uv| values.at(uv) };
+        let unit = match (note.map.content(), component) {
+            (MapContent::Direction, None) => "°",
+            (MapContent::Color, None) => "ΔE00",
+            (MapContent::Label, _) => "share",
+            _ => &note.unit,
         };
         check.error(&map, unit)
     }
@@ -432,6 +451,30 @@ impl WrittenAsset {
         let codes = codes_of_normals(codes)?;
         Ok(Texture::new(codes, Encoding::Normal))
     }
+}
+
+/// Measures the occlusion that the material of a part shows in a model, read back; without a texture it is 1.
+fn occlusion_error(
+    part: &Part,
+    note: &MapNote,
+    (shown, check): (&Scene, &MapCheck<'_>),
+) -> Result<Option<MapError>> {
+    let materials = shown.materials();
+    let material = match &part.low.own {
+        Some(own) => materials.get(own.number),
+        None => materials.iter().find(|material| material.occlusion_texture.is_some()),
+    };
+    let used = material.and_then(|material| Some((material.occlusion_texture?, material.occlusion_strength)));
+    let value = |uv: Vec2| {
+        let open = used.map_or(1.0, |(texture, strength)| {
+            let at = texture.transform.apply(uv);
+            let [red, ..] = texture.sampler.sample(&shown.textures()[texture.texture], at, 0.0);
+            1.0 + strength * (red - 1.0)
+        });
+        Vec3::splat(open)
+    };
+    let space = NormalSpace::Tangent;
+    check.error(&StoredMap { kind: note.map, space, component: None, value: &value }, "")
 }
 
 impl Proof {

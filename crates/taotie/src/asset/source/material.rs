@@ -24,15 +24,21 @@ pub(in crate::asset) struct Found {
 }
 
 impl Carried {
-    /// Collects the materials of all instances.
+    /// Collects the materials of all instances. If none of them specifies any, factors are those of the first: formats
+    /// have different defaults.
     pub fn of(scene: &Scene) -> Self {
         let parts: Vec<Part> = scene.instances().iter().map(|instance| Part::of(scene, instance)).collect();
-        let has = |property: &Property| parts.iter().any(|part| part.has(*property));
+        let is_plain = is_plain(scene);
+        let is_default = |property: Property| is_plain && property.has_factor();
+        let has = |property: &Property| match parts.first() {
+            Some(first) if is_default(*property) => first.has(*property),
+            _ => parts.iter().any(|part| part.has(*property)),
+        };
         let properties: Vec<Property> = Property::all().into_iter().filter(has).collect();
         let areas = areas(scene, &parts, &properties);
         let found = properties.into_iter().map(|property| Found {
             property,
-            is_uniform: is_uniform(&parts, property),
+            is_uniform: is_default(property) || is_uniform(&parts, property),
             part: share(&parts, &areas, |part| part.has(property)),
         });
         let found: Vec<Found> = found.collect();
@@ -299,7 +305,9 @@ mod tests {
     use taotie_engine::image::{Bitmap, Encoding, Sampler, Texels, Texture};
     use taotie_engine::math::{Mat4, Vec3};
     use taotie_engine::mesh::MeshData;
-    use taotie_engine::scene::{Clearcoat, FactorValue, Layer, SceneData, TextureRef, UvTransform};
+    use taotie_engine::scene::{
+        Clearcoat, FactorValue, HeightMap, Layer, SceneData, TextureRef, UvTransform,
+    };
 
     /// A rectangle of this area.
     fn rectangle(area: f32) -> MeshData {
@@ -375,6 +383,21 @@ mod tests {
         let carried = of(&[coated(1.0), clay()]);
         assert_eq!(carried.found, [found(coat(), false, 0.25)]);
         assert_eq!((carried.maps(), carried.material.clearcoat), (Maps::default(), None));
+    }
+
+    #[test]
+    fn defaults_of_different_formats_are_no_difference() {
+        let of_gltf = Material::default_of_gltf();
+        for parts in [[of_gltf.clone(), clay()], [clay(), of_gltf.clone()]] {
+            let carried = of(&parts);
+            assert_eq!((carried.maps(), &carried.material), (Maps::default(), &parts[0]));
+            assert_eq!(carried.varying().count(), 0);
+        }
+        // Relief is not a default, and a specified material makes every part's count.
+        let bumpy = Material { height: Some(HeightMap { texture: texture(0), scale: 1.0 }), ..clay() };
+        assert_eq!(of(&[of_gltf.clone(), bumpy]).maps(), Maps::default().with(MapKind::Normal));
+        let rough = Material { roughness: 0.3, ..clay() };
+        assert!(of(&[of_gltf, clay(), rough]).varies(Property::MetallicRoughness));
     }
 
     #[test]

@@ -19,7 +19,7 @@ use taotie_engine::mesh::Mesh;
 use taotie_engine::progress::Progress;
 use taotie_engine::scene::{Material, Scene, SceneData};
 use taotie_engine::surface::{Denoised, Noise, NoiseHandling};
-use taotie_io::{Bytes, Limits, Objects, xmp_rights};
+use taotie_io::{Bytes, Limits, Objects, Used, xmp_rights};
 
 /// The properties of a scan besides its triangles.
 #[derive(Debug)]
@@ -179,7 +179,7 @@ impl ScanFile {
                 left.check_file(path)?;
                 let loaded = taotie_io::load_model_within(path, &left)?;
                 let file = Self::hashed(loaded, model, limits)?;
-                left = file.left_of(left);
+                left.used = left.used.and(file.used());
                 files.push(file);
             }
             Self::joined(files, options)
@@ -208,11 +208,10 @@ impl ScanFile {
         self.about.models.first().map_or_else(|| "a model in memory".into(), name)
     }
 
-    /// Returns the limits that are left for further files.
-    fn left_of(&self, limits: Limits) -> Limits {
-        let ScanSize { triangles, .. } = self.about.size;
-        let memory = limits.memory.map(|memory| Bytes(memory.0.saturating_sub(self.about.size.mesh_bytes())));
-        Limits { memory, triangles: limits.triangles.saturating_sub(triangles), ..limits }
+    /// Returns the resources that count against the limits of further files.
+    fn used(&self) -> Used {
+        let size = &self.about.size;
+        Used { memory: Bytes(size.mesh_bytes()), triangles: size.triangles }
     }
 
     /// Converts the content that was read from `path`; all its instances form one scan. A model that is already

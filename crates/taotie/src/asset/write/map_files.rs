@@ -17,6 +17,16 @@ use taotie_engine::proof::MapError;
 use taotie_engine::scene::{GreenChannel, NormalSpace};
 use taotie_io::{GltfMaterial, MapFormat};
 
+/// The content of a channel of a texture that packs several maps.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::asset) struct Packed {
+    /// The name of the texture, such as `orm`.
+    pub texture: String,
+    /// 0 for red, 3 for alpha.
+    pub number: usize,
+    pub map: MapChannel,
+}
+
 /// A map of a written asset: where it is stored, and what its values mean.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
@@ -45,12 +55,30 @@ pub struct MapNote {
     /// The channel of the file that holds it, `R`, `G`, `B` or `A`, if the file packs several maps.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub channel: Option<Cow<'static, str>>,
+    /// The content of this channel; `None` if the file does not pack several maps.
+    #[serde(skip)]
+    pub(in crate::asset) packed: Option<Packed>,
     /// How far the values are from the scan's, measured by the proof for maps that no figure covers.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<MapError>,
 }
 
 impl MapNote {
+    /// Returns its name for people: that of its map; of a packed channel, such as `orm R (ao)`.
+    pub fn title(&self) -> String {
+        match &self.packed {
+            Some(Packed { texture, number, map }) => format!("{texture} {} ({map})", CHANNELS[*number]),
+            None => self.map.name().to_owned(),
+        }
+    }
+
+    /// Returns `true` if no figure of a proof covers it. Figures see the maps that a renderer shows under direct light: neither
+    /// occlusion nor packed channels.
+    pub(in crate::asset) fn is_in_no_figure(&self) -> bool {
+        let is_occlusion = matches!(self.map, MapKind::Occlusion | MapKind::OcclusionMap);
+        self.packed.is_some() || self.map.is_separate() || is_occlusion
+    }
+
     /// Describes a map inside the asset. `label` is that of its material, here and below; it may be empty.
     pub(super) fn inside(label: &str, map: MapKind, bitmap: &Bitmap) -> Self {
         let (material, bits) = (named(label), bitmap.bits());
@@ -66,6 +94,7 @@ impl MapNote {
             origin: None,
             legend: BTreeMap::new(),
             channel: None,
+            packed: None,
             error: None,
         }
     }
@@ -83,6 +112,7 @@ impl MapNote {
             origin: own.origin,
             legend: own.legend.clone(),
             channel: None,
+            packed: None,
             error: None,
         }
     }
@@ -183,8 +213,7 @@ impl Stored<'_> {
 struct Source<'a> {
     stored: Stored<'a>,
     /// `None` for a constant.
-    quantity: Option<Quantity>,
-    is_inverted: bool,
+    map: Option<MapChannel>,
 }
 
 impl Source<'_> {
@@ -194,7 +223,7 @@ impl Source<'_> {
             Stored::Texture(bitmap, channel, _) => bitmap.stored(texel)[channel],
             Stored::Uniform(code, _) => code,
         };
-        if self.is_inverted { 1.0 - code } else { code }
+        if self.map.is_some_and(|map| map.is_inverted) { 1.0 - code } else { code }
     }
 }
 
@@ -230,41 +259,37 @@ impl PackedChannels<'_> {
     pub fn notes(&self, path: &Path) -> Result<Vec<MapNote>> {
         let all = self.sources()?;
         let bits = bits(&all);
-        let note = |(source, letter): (&Source<'_>, &'static str)| {
-            let quantity = source.quantity?;
+        let note = |(number, source): (usize, &Source<'_>)| {
+            let map = source.map?;
             let range = source.stored.range();
             let whole = Range { black: 0.0, white: 1.0, unit: "" };
-            let range = range.or(source.is_inverted.then_some(whole));
-            let ends = range.map(|Range { black, white, .. }| match source.is_inverted {
+            let range = range.or(map.is_inverted.then_some(whole));
+            let ends = range.map(|Range { black, white, .. }| match map.is_inverted {
                 true => [white, black],
                 false => [black, white],
             });
             Some(MapNote {
-                map: quantity.map(),
+                map: map.quantity.map(),
                 material: named(self.part.low.label()),
                 file: Some(path.to_path_buf()),
                 bits,
                 black: ends.map(|[black, _]| black),
                 white: ends.map(|[_, white]| white),
                 unit: range.map_or("", |range| range.unit).into(),
-                origin: self.own(quantity.map()).and_then(|own| own.origin),
+                origin: self.own(map.quantity.map()).and_then(|own| own.origin),
                 legend: BTreeMap::new(),
-                channel: Some(letter.into()),
+                channel: Some(CHANNELS[number].into()),
+                packed: Some(Packed { texture: self.channels.name().to_owned(), number, map }),
                 error: None,
             })
         };
-        Ok(all.iter().zip(CHANNELS).filter_map(note).collect())
+        Ok(all.iter().enumerate().filter_map(note).collect())
     }
 
     fn sources(&self) -> Result<Vec<Source<'_>>> {
         let of = |source: &ChannelSource| match source {
-            ChannelSource::Constant(code) => {
-                Ok(Source { stored: Stored::Uniform(*code, None), quantity: None, is_inverted: false })
-            }
-            ChannelSource::Map(MapChannel { quantity, is_inverted }) => {
-                let stored = self.stored(*quantity)?;
-                Ok(Source { stored, quantity: Some(*quantity), is_inverted: *is_inverted })
-            }
+            ChannelSource::Constant(code) => Ok(Source { stored: Stored::Uniform(*code, None), map: None }),
+            ChannelSource::Map(map) => Ok(Source { stored: self.stored(map.quantity)?, map: Some(*map) }),
         };
         self.channels.sources().iter().map(of).collect()
     }
@@ -380,32 +405,42 @@ pub(in crate::asset) struct StoredValues {
     green: GreenChannel,
     /// The numbers of labels by their colours, if it stores labels.
     labels: BTreeMap<[u8; 3], u32>,
+    /// The channel that holds it, if the file packs several maps.
+    packed: Option<(usize, MapChannel)>,
+    /// The radiance of white, if the channel holds emission; 1 otherwise.
+    brightest: f32,
 }
 
 impl StoredValues {
     /// Takes the map that a note describes; labels are numbers below `things`.
     pub fn of(note: &MapNote, bitmap: Bitmap, (green, things): (GreenChannel, u32)) -> Self {
-        let is_float = matches!(bitmap.texels(), Texels::F32(_));
+        let packed = note.packed.as_ref().map(|packed| (packed.number, packed.map));
+        // Packed channels are codes even as floats.
+        let is_value = matches!(bitmap.texels(), Texels::F32(_)) && packed.is_none();
         let content = note.map.content();
         let (black, white) = (note.black.unwrap_or(0.0), note.white.unwrap_or(1.0));
+        let is_inverted = packed.is_some_and(|(_, map)| map.is_inverted);
+        let (black, white) = if is_inverted { (white, black) } else { (black, white) };
         let meaning = match content {
             // Of numbers, the note states what codes mean in this file.
             MapContent::Length => Meaning::Number(Range { black, white, unit: "" }),
-            MapContent::Direction if !is_float => Meaning::Direction,
+            MapContent::Direction if !is_value => Meaning::Direction,
+            MapContent::Color if packed.is_some() => Meaning::Color,
             _ => Meaning::Plain,
         };
-        let is_coded = content == MapContent::Color && !is_float;
+        let is_coded = content == MapContent::Color && !is_value && packed.is_none();
         let texture = Texture::new(bitmap, if is_coded { Encoding::Srgb } else { Encoding::Linear });
         let labels = match content {
             MapContent::Label => (0..things).map(|number| (label_color(number), number)).collect(),
             _ => BTreeMap::new(),
         };
         let [x, y, z] = note.origin.unwrap_or_default().map(|v| v as f32);
-        Self { texture, meaning, origin: Vec3::new(x, y, z), green, labels }
+        let brightest = if note.map == MapKind::Emission { white as f32 } else { 1.0 };
+        Self { texture, meaning, origin: Vec3::new(x, y, z), green, labels, packed, brightest }
     }
 
     /// Returns the value at a uv, as a renderer filters it; for labels the number of the nearest texel's in all components,
-    /// −1 for the colour of none.
+    /// −1 for the colour of none; of a packed channel, its value in all components.
     pub fn at(&self, uv: Vec2) -> Vec3 {
         if !self.labels.is_empty() {
             let nearest = Sampler { magnify: TexelFilter::Nearest, ..Sampler::BILINEAR };
@@ -413,10 +448,26 @@ impl StoredValues {
             let color = [r, g, b].map(|code| (code * 255.0).round() as u8);
             return Vec3::splat(self.labels.get(&color).map_or(-1.0, |number| *number as f32));
         }
-        let [r, g, b, _] = Sampler::BILINEAR.sample(&self.texture, uv, 0.0);
+        let texel = Sampler::BILINEAR.sample(&self.texture, uv, 0.0);
+        if let Some((number, map)) = self.packed {
+            return Vec3::splat(self.packed_value(texel[number], map));
+        }
+        let [r, g, b, _] = texel;
         let [x, y, z] = [r, g, b].map(|code| self.meaning.number(code));
         let y = if self.green == GreenChannel::Down { -y } else { y };
         Vec3::new(x, y, z) + self.origin
+    }
+
+    /// Returns the number that a code of a packed channel stores.
+    fn packed_value(&self, code: f32, map: MapChannel) -> f32 {
+        let value = self.meaning.number(if map.is_inverted { 1.0 - code } else { code });
+        match map.quantity.component() {
+            None => value,
+            Some(0) => value * self.brightest + self.origin.x,
+            Some(1) if self.green == GreenChannel::Down => -value,
+            Some(1) => value * self.brightest + self.origin.y,
+            Some(_) => value * self.brightest + self.origin.z,
+        }
     }
 }
 

@@ -482,33 +482,26 @@ impl WrittenAsset {
 
     /// Returns each map's kind and location, material by material.
     pub fn maps(&self) -> Vec<MapNote> {
-        let parts = self.asset.made.parts.iter();
-        if self.is_alone() {
-            return parts.flat_map(|part| self.maps_of_part(part)).collect();
-        }
-        let packed = parts.flat_map(|part| {
-            let of = move |channels| PackedChannels { part, channels, turned: &[] };
-            self.packing.channels.iter().map(of)
-        });
-        // They were written, so no map is missing.
-        let packed =
-            packed.filter_map(|packed| packed.notes(&packed_file(&packed, self.path())).ok()).flatten();
-        let sets = self.asset.texture_sets();
-        sets.flat_map(|(label, textures)| self.maps_of(label, textures)).chain(packed).collect()
+        self.asset.made.parts.iter().flat_map(|part| self.maps_of_part(part)).collect()
     }
 
-    /// Returns the notes of a part of the finest level, without those of packed channels next to a model.
+    /// Returns the notes of a part of the finest level.
     pub(in crate::asset) fn maps_of_part(&self, part: &Part) -> Vec<MapNote> {
-        match self.is_alone() {
-            true => maps_alone::notes(part, &self.requested, &self.packing),
-            false => self.maps_of(part.low.label(), &part.maps.textures),
+        if self.is_alone() {
+            return maps_alone::notes(part, &self.requested, &self.packing);
         }
+        let packed = self.packing.channels.iter().flat_map(|channels| {
+            let packed = PackedChannels { part, channels, turned: &[] };
+            // They were written, so no map is missing.
+            packed.notes(&packed_file(&packed, self.path())).unwrap_or_default()
+        });
+        self.maps_of(part.low.label(), &part.maps.textures).chain(packed).collect()
     }
 
-    fn maps_of(&self, label: &str, textures: &Textures) -> Vec<MapNote> {
+    fn maps_of(&self, label: &str, textures: &Textures) -> impl Iterator<Item = MapNote> {
         let separate = textures.separate.iter().map(|own| MapNote::separate(own, label, self.path()));
         let inside = textures.inside().map(|(map, bitmap)| MapNote::inside(label, map, bitmap));
-        inside.chain(self.turned_normal(label, textures)).chain(separate).collect()
+        inside.chain(self.turned_normal(label, textures)).chain(separate)
     }
 
     /// Returns `true` if maps were written without a model.
