@@ -32,8 +32,7 @@ collection.toml specifies scans and folders of photographs, and what to make fro
 assets are not made again, so an interrupted run continues where it stopped. Exit codes: 0 all done, 1 a requirement is not met, 2 an \
 asset failed or was refused.";
 
-/// Processes a whole collection: bakes scans and estimates normals from photographs, each in its own process, and nothing
-/// twice.
+/// Bakes a collection, and estimates normals from its photographs: nothing twice.
 #[derive(Args)]
 #[command(before_help = EXAMPLES)]
 pub struct BatchArgs {
