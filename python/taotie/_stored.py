@@ -1,8 +1,8 @@
 """A collection on any file system that fsspec can list and write: S3, Google Cloud, another machine.
 
 The planning process holds no asset. It has a separate folder with the names, sizes and times of all files: sparse
-files that take no disk space, except for the few that it reads. Each job fetches the files that its scan references,
-and uploads its results.
+files that take no disk space, except for the few that it reads. Each job fetches the files that its scan references, or
+all files next to its photographs, and uploads its results.
 """
 
 from __future__ import annotations
@@ -104,8 +104,7 @@ class Stored:
             folder = Path(name)
             start = time.monotonic()
             job = planned["job"]
-            scan = PurePosixPath(job["scan"]).as_posix()
-            self._fetch([scan, *self._named_by(scan, folder), *self._named_in(job["settings"])], folder)
+            self._fetch([*self._read_by(job, folder), *self._named_in(job["settings"])], folder)
             if made := planned.get("address"):
                 asset = _object(job, made)
                 self._fetch([path for path in self.files if path.startswith(f"{asset}/")], folder)
@@ -143,10 +142,22 @@ class Stored:
     def _bring(self, folder: Path, path: str) -> None:
         """Upload an object. The file that marks it as complete comes last."""
         system, root = self._system()
-        names = sorted((file.name for file in (folder / path).iterdir()), key=lambda name: name == "object.json")
-        system.makedirs(f"{root}/{path}", exist_ok=True)
-        for name in names:
+        files = [file.relative_to(folder / path).as_posix() for file in (folder / path).rglob("*") if file.is_file()]
+        for name in sorted(files, key=lambda name: name == "object.json"):
+            system.makedirs(posixpath.dirname(f"{root}/{path}/{name}"), exist_ok=True)
             system.put_file(str(folder / path / name), f"{root}/{path}/{name}")
+
+    def _read_by(self, job: dict[str, Any], folder: Path) -> list[str]:
+        """The files that a job reads, except for those that its settings name."""
+        scan = PurePosixPath(job["scan"]).as_posix()
+        if "photometric" not in job["settings"]["task"]:
+            return [scan, *self._named_by(scan, folder)]
+        # A folder of photographs, or a file among them.
+        return self._inside(posixpath.dirname(scan) if scan in self.files else scan)
+
+    def _inside(self, folder: str) -> list[str]:
+        """The files directly in a folder."""
+        return [path for path in self.files if posixpath.dirname(path) == ("" if folder == "." else folder)]
 
     def _named_by(self, scan: str, folder: Path) -> list[str]:
         """The files in a scan's folder named in its text, or in the text of one of them; scans reach no others."""
@@ -178,12 +189,14 @@ class Stored:
             return file.read(_NAMING.get(suffix, 0))
 
     def _named_in(self, settings: Any) -> list[str]:
-        """All files of the folder that settings name."""
+        """All files that settings name, and those in folders that they name."""
         if isinstance(settings, dict):
             return [path for value in settings.values() for path in self._named_in(value)]
         if isinstance(settings, list):
             return [path for value in settings for path in self._named_in(value)]
-        return [settings] if isinstance(settings, str) and settings in self.files else []
+        if not isinstance(settings, str) or not settings:
+            return []
+        return [settings] if settings in self.files else self._inside(PurePosixPath(settings).as_posix())
 
 
 class Keeper:

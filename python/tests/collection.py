@@ -45,6 +45,25 @@ def write(folder: Path, scans: int, outputs: tuple[str, ...]) -> None:
         (folder / f"{name}.toml").write_text(OPTIONS.format(output=name))
 
 
+def write_photographs(folder: Path, outputs: tuple[str, ...]) -> None:
+    """Write photographs of a matt dome under 12 lights, of 32 by 32 pixels, and a collection's file for each output."""
+    side, count = 32, 12
+    place = folder / "photographs/dome"
+    place.mkdir(parents=True)
+    lights = [(0.6 * math.cos(math.tau * k / count), 0.6 * math.sin(math.tau * k / count), 0.8) for k in range(count)]
+    (place / "dome.lp").write_text("\n".join([str(count), *(f"p{k}.tga {x} {y} {z}" for k, (x, y, z) in enumerate(lights))]))
+    centres = [(2 * i + 1) / side - 1 for i in range(side)]
+    for k, light in enumerate(lights):
+        normals = [(0.5 * x, -0.5 * y, math.sqrt(1 - 0.25 * (x * x + y * y))) for y in centres for x in centres]
+        pixels = bytes(round(200 * max(0.0, sum(map(float.__mul__, normal, light)))) for normal in normals)
+        # Grey, from the top left corner.
+        header = bytes([0, 0, 3, *[0] * 9, side, 0, side, 0, 8, 0x20])
+        (place / f"p{k}.tga").write_bytes(header + pixels)
+    for name in outputs:
+        text = OPTIONS.format(output=name).replace("scans", "photographs")
+        (folder / f"{name}.toml").write_text(text + '[photometric]\nencoding = "linear"\nrelight = ["openlime"]\n')
+
+
 def objects(folder: Path) -> dict[str, bytes]:
     """Return the bytes of all objects by path."""
     files = (path for path in (folder / "objects").rglob("*") if path.is_file())

@@ -56,6 +56,18 @@ def test_a_stored_collection_has_the_files_of_the_command(tmp_path: Path) -> Non
     assert run(stored, tmp_path / "third")["attempts"] == 1
 
 
+def test_photographs_are_fetched_with_all_files_next_to_them(tmp_path: Path) -> None:
+    place = tmp_path / "far"
+    collection.write_photographs(place, ("stored", "command"))
+    stored = Stored(f"file://{place}/stored.toml")
+    (tmp_path / "near").mkdir()
+    assert run(stored, tmp_path / "near")["states"]["done"] == 1
+    subprocess.run([sys.executable, "-m", "taotie", "batch", str(place / "command.toml"), "-q"], check=True)
+    objects = collection.objects(place / "stored")
+    assert objects == collection.objects(place / "command")
+    assert any(str(path).endswith("openlime/info.json") for path in objects)
+
+
 def test_another_thumbnail_bakes_nothing_again(tmp_path: Path) -> None:
     place = tmp_path / "far"
     collection.write(place, 1, ("stored",))

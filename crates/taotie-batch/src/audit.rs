@@ -3,8 +3,8 @@
 use crate::collection::Collection;
 use crate::driver::{Worker, nonempty, remake};
 use crate::manifest::History;
-use crate::record::{FileEntry, OUTDATED, Part, Record, ShortFigures, State};
-use crate::store::{AssetObject, Store};
+use crate::record::{EstimateFigures, FileEntry, OUTDATED, Part, Record, ShortFigures, State};
+use crate::store::{MainObject, Object, Store};
 use serde::Serialize;
 use serde_json::Value;
 use taotie::Warning;
@@ -15,7 +15,7 @@ use taotie_io::sha256;
 /// How thorough an audit is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct AuditOptions {
-    /// The number of assets to bake and prove again, and to compare with the existing files byte by byte.
+    /// The number of assets to make again, and to compare with the existing files byte by byte.
     pub proofs: usize,
 }
 
@@ -35,13 +35,13 @@ pub struct Audit {
     pub assets: usize,
     /// Files whose bytes were read.
     pub files: usize,
-    /// Assets that were baked again.
+    /// Assets that were made again.
     pub proofs: usize,
     /// The faults found.
     pub faults: Vec<Fault>,
 }
 
-/// Reads every file that the manifest names, and bakes some assets again. `hear` receives the fraction done, and
+/// Reads every file that the manifest names, and makes some assets again. `hear` receives the fraction done, and
 /// returns true to go on.
 ///
 /// # Errors
@@ -85,6 +85,7 @@ fn samples<'a>(made: &[&'a Record], count: usize) -> impl Iterator<Item = &'a Re
 struct Findings<'a> {
     files: &'a [FileEntry],
     figures: Option<&'a ShortFigures>,
+    estimated: Option<&'a EstimateFigures>,
     warnings: &'a [Warning],
     state: State,
     required: &'a [RequirementOutcome],
@@ -139,25 +140,28 @@ impl Audit {
         if !record.is_current() {
             return;
         }
-        let Some(part) = record.part("asset") else {
+        let Some(part) = record.main() else {
             return self.note(record, "its record lists no asset".into());
         };
-        let Some(object) = store.description::<AssetObject>(&part.address) else {
+        let Some(object) = store.description::<MainObject>(&part.address) else {
             let why = "the description of its asset is missing, or not valid JSON; run `taotie batch`";
             return self.note(record, why.into());
         };
-        let required = object.figures.evaluate(&record.require);
+        let required = object.evaluate(&record.require);
+        let (figures, estimated) = (object.figures(), object.estimated());
         let recorded = Findings {
             files: &part.files,
             figures: record.figures.as_ref(),
+            estimated: record.estimated.as_ref(),
             warnings: &record.warnings,
             state: record.state,
             required: &record.required,
         };
         let stored = Findings {
-            files: &object.files,
-            figures: Some(&object.short()),
-            warnings: &object.warnings,
+            files: object.files(),
+            figures: figures.as_ref(),
+            estimated: estimated.as_ref(),
+            warnings: object.warnings(),
             state: State::of(&required),
             required: &required,
         };
@@ -175,12 +179,15 @@ impl Audit {
         hear: &mut dyn FnMut(f64) -> bool,
     ) -> Result<()> {
         if !record.has_same_input(&nonempty(collection.folder())) {
-            self.note(record, "the scan has changed since; the proof cannot be repeated".into());
+            self.note(
+                record,
+                "the scan or a photograph has changed since; the proof cannot be repeated".into(),
+            );
             return Ok(());
         }
         let remade = remake(record, collection, worker, hear)?;
         if let Some(error) = remade.error {
-            self.note(record, format!("re-baking it failed: {error}"));
+            self.note(record, format!("making it again failed: {error}"));
             return Ok(());
         }
         for part in &record.parts {
@@ -189,18 +196,21 @@ impl Audit {
                 Some(other) if other.address != part.address => {
                     self.note(
                         record,
-                        format!("{}: made from a different scan, or with different settings", part.kind),
+                        format!("{}: made from different files, or with different settings", part.kind),
                     );
                 }
                 Some(other) if other.files != part.files => {
-                    self.note(record, format!("{}: the re-baked bytes differ", part.kind));
+                    self.note(record, format!("{}: the bytes differ when made again", part.kind));
                 }
                 _ => {}
             }
         }
-        let [recorded, figures] = [&record.figures, &remade.figures].map(json);
-        if let Some(what) = difference("figures", &recorded, &figures) {
-            self.note(record, format!("re-baking it gives other figures: {what}"));
+        let differences = [
+            difference("figures", &json(&record.figures), &json(&remade.figures)),
+            difference("estimated", &json(&record.estimated), &json(&remade.estimated)),
+        ];
+        for what in differences.into_iter().flatten() {
+            self.note(record, format!("making it again gives other figures: {what}"));
         }
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! The process of an asset, as known to itself and to the driver: their messages, one line of JSON each, and its
 //! memory.
 
-use crate::record::{InputFile, Part, ShortFigures, Stage, State};
+use crate::record::{EstimateFigures, InputFile, Part, ShortFigures, Stage, State};
 use crate::settings::Settings;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -13,7 +13,7 @@ use taotie::{Bytes, Limits, Warning};
 pub struct Job {
     /// The asset.
     pub id: String,
-    /// The scan's file.
+    /// The scan's file, or the folder or file of photographs.
     pub scan: PathBuf,
     /// The folder for the collection's files.
     pub output: PathBuf,
@@ -47,8 +47,8 @@ pub enum Message {
     Forecast {
         /// The memory.
         bytes: u64,
-        /// Triangles of the scan.
-        triangles: u64,
+        /// Triangles of the scan, or samples of the photographs.
+        size: u64,
     },
     /// A stage has begun.
     Stage {
@@ -70,8 +70,11 @@ pub struct Outcome {
     pub input: Vec<InputFile>,
     /// The time of each stage.
     pub stages: Vec<Stage>,
-    /// The measured figures.
+    /// The measured figures of a bake.
     pub figures: Option<ShortFigures>,
+    /// The figures of normals from photographs.
+    #[serde(default)]
+    pub estimated: Option<EstimateFigures>,
     /// How each requirement was met.
     pub required: Vec<RequirementOutcome>,
     /// Faults that were fixed.
@@ -91,6 +94,7 @@ impl Outcome {
             input: Vec::new(),
             stages: Vec::new(),
             figures: None,
+            estimated: None,
             required: Vec::new(),
             warnings: Vec::new(),
             parts: Vec::new(),

@@ -2,7 +2,7 @@
 
 use crate::collection::Collection;
 use crate::manifest::History;
-use crate::record::{OUTDATED, Record, ShortFigures};
+use crate::record::{ASSET, OUTDATED, PHOTOGRAPHS, Record, ShortFigures};
 use crate::store::Store;
 use std::path::PathBuf;
 use taotie::asset::RequirementOutcome;
@@ -43,6 +43,9 @@ fn entry(record: &Record) -> Entry {
     let figures = record.figures.clone().unwrap_or_default();
     let has = record.figures.is_some();
     let ShortFigures { triangles_in, bytes_in, bytes_out, hausdorff, missed, .. } = figures;
+    let estimated = record.estimated.as_ref();
+    let sizes = has.then_some([bytes_in, bytes_out]);
+    let sizes = sizes.or_else(|| estimated.map(|of| [of.bytes_in, of.bytes_out]));
     let one = |kind: &str, ending: &str| link(record, kind, ending);
     let is_unmet = |met: &&RequirementOutcome| !met.met;
     let unmet = |met: &RequirementOutcome| format!("{} {}", met.name(), met.text());
@@ -56,12 +59,15 @@ fn entry(record: &Record) -> Entry {
         thumbnail: one("thumbnail", ".webp"),
         turntable: one("turntable", ".png"),
         viewer: one("viewer", ".html"),
-        report: one("asset", ".report.html"),
-        model: one("asset", ".glb"),
+        report: one(ASSET, ".report.html").or_else(|| one(PHOTOGRAPHS, "report.html")),
+        model: one(ASSET, ".glb").or_else(|| one(PHOTOGRAPHS, "relief.glb")),
+        photographs: estimated.map(|of| of.photographs),
+        sigma: estimated.and_then(|of| of.sigma_median),
+        p95_sigma: estimated.and_then(|of| of.sigma_p95),
         triangles_in: has.then_some(triangles_in),
         triangles: figures.triangles.first().copied(),
-        bytes_in: has.then_some(bytes_in),
-        bytes_out: has.then_some(bytes_out),
+        bytes_in: sizes.map(|[input, _]| input),
+        bytes_out: sizes.map(|[_, output]| output),
         mean_angle: figures.mean_angle,
         p95_angle: figures.p95_angle,
         max_angle: figures.max_angle,

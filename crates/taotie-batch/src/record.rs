@@ -1,6 +1,6 @@
 //! Manifest records: one line per attempt at an asset, with the files that it is made from.
 
-use crate::settings::AssetSettings;
+use crate::settings::{AssetSettings, PhotometricSettings};
 use serde::{Deserialize, Serialize};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -9,10 +9,17 @@ use taotie::asset::{Figures, Requirement, RequirementOutcome};
 use taotie::{Limits, Warning};
 use taotie_engine::{Error, Result};
 use taotie_io::{file_size, load_model_within, sha256};
+use taotie_photometric::input_files;
 
 /// The version of records and of the figures they are judged by. Assets whose record or figures have a different
 /// version are judged again.
 pub const SCHEMA: u32 = 2;
+
+/// The kind of an asset with its proof.
+pub const ASSET: &str = "asset";
+
+/// The kind of an estimate from photographs.
+pub const PHOTOGRAPHS: &str = "photographs";
 
 /// The message for a record with a different schema.
 pub const OUTDATED: &str = "judged by another version's figures; run `taotie batch` to judge it again";
@@ -54,6 +61,9 @@ pub struct Record {
     /// Its title, for people.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub title: Option<String>,
+    /// The folder or file of photographs, relative to the folder of the collection's file; missing for a scan.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub photographs: Option<PathBuf>,
     /// The files that it is made from, the scan's own first.
     pub input: Vec<InputFile>,
     /// The total time, in seconds.
@@ -64,8 +74,11 @@ pub struct Record {
     pub peak_bytes: Option<u64>,
     /// The memory estimated beforehand.
     pub forecast_bytes: Option<u64>,
-    /// The measured figures, in short.
+    /// The measured figures of a bake, in short.
     pub figures: Option<ShortFigures>,
+    /// The figures of normals from photographs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub estimated: Option<EstimateFigures>,
     /// The requirements.
     pub require: Vec<Requirement>,
     /// How each requirement was met, level by level.
@@ -88,7 +101,7 @@ pub struct Stage {
 /// Files of one kind that were made together.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Part {
-    /// `asset`, `thumbnail`, `turntable` or `viewer`.
+    /// `asset`, `photographs`, `thumbnail`, `turntable` or `viewer`.
     pub kind: String,
     /// Their content address.
     pub address: String,
@@ -147,6 +160,31 @@ pub struct ShortFigures {
     pub missed: f64,
 }
 
+/// The figures of normals from photographs that a list of objects shows.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct EstimateFigures {
+    /// Photographs.
+    pub photographs: usize,
+    /// Pixels across and down.
+    pub size: [u32; 2],
+    /// Pixels with a normal.
+    pub pixels: usize,
+    /// The source of the lights: `lp`, `diligent`, `balls` or `relightable`.
+    pub layout: String,
+    /// Median of the degrees within which 68 % of the true normals are expected.
+    pub sigma_median: Option<f64>,
+    /// Their mean.
+    pub sigma_mean: Option<f64>,
+    /// Their 95th percentile.
+    pub sigma_p95: Option<f64>,
+    /// The largest root mean square residual of a photograph, relative to the albedo.
+    pub worst_residual: Option<f64>,
+    /// Bytes of the photographs and of the files of lights.
+    pub bytes_in: u64,
+    /// Bytes of all written files.
+    pub bytes_out: u64,
+}
+
 impl ShortFigures {
     /// Summarises the figures.
     pub fn of(figures: &Figures) -> Self {
@@ -198,6 +236,16 @@ impl Record {
     /// Returns the part of a given kind.
     pub fn part(&self, kind: &str) -> Option<&Part> {
         self.parts.iter().find(|part| part.kind == kind)
+    }
+
+    /// Returns the part with the result itself, which all others are made from.
+    pub fn main(&self) -> Option<&Part> {
+        self.part(ASSET).or_else(|| self.part(PHOTOGRAPHS))
+    }
+
+    /// Returns the path of the object: of its scan, or its folder or file of photographs.
+    pub fn source(&self) -> Option<&Path> {
+        self.photographs.as_deref().or_else(|| Some(self.input.first()?.path.as_path()))
     }
 
     /// Returns `true` if it was judged by the figures of this version.
@@ -270,6 +318,22 @@ pub fn read_input(scan: &[PathBuf], settings: &AssetSettings, limits: &Limits) -
     }
     for path in settings.bake.skew_mask.iter().chain(&settings.packing.provenance) {
         files.extend(of_model(std::slice::from_ref(path))?);
+    }
+    Ok(files)
+}
+
+/// Reads all files that an estimate is made from: those next to the photographs, then all that its settings name. Names of
+/// files in a folder of photographs start with that folder's `name`, which the report shows.
+///
+/// # Errors
+/// Read errors.
+pub fn read_photographs(path: &Path, name: &str, settings: &PhotometricSettings) -> Result<Vec<InputFile>> {
+    let mut files = of_model(&input_files(path)?)?;
+    if path.is_dir() {
+        files.iter_mut().for_each(|file| file.name = format!("{name}/{}", file.name));
+    }
+    for path in settings.options.files()? {
+        files.extend(of_model(std::slice::from_ref(&path))?);
     }
     Ok(files)
 }

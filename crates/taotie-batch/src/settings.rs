@@ -1,15 +1,16 @@
-//! The settings of an asset.
+//! The settings of an object: its task, and the files made from its result.
 
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use taotie::asset::{BakeOptions, MeshSource, Packing, RayDistance, Requirement, ScanOptions, VerifyOptions};
 use taotie_engine::{Error, Result};
+use taotie_photometric::PhotometricOptions;
 
-/// The files to make from a scan, and the requirements on them.
-#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+/// The files to make from an object, and the requirements on them.
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Settings {
-    /// Settings of the asset itself.
-    pub asset: AssetSettings,
+    /// The work itself.
+    pub task: Task,
     /// The thumbnail; `None` for none.
     pub thumbnail: Option<Thumbnail>,
     /// The turntable animation; `None` for none.
@@ -18,6 +19,25 @@ pub struct Settings {
     pub viewer: Option<ViewerPage>,
     /// Requirements on its figures. No file depends on them.
     pub require: Vec<Requirement>,
+}
+
+/// The work on an object, with everything that its files depend on in addition to its input.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Task {
+    /// A scan is baked.
+    Bake(Box<AssetSettings>),
+    /// Normals are estimated from photographs.
+    Photometric(PhotometricSettings),
+}
+
+/// Everything that the files of an estimate depend on in addition to the photographs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PhotometricSettings {
+    /// What is known about the photographs, and what to write.
+    pub options: PhotometricOptions,
+    /// `true` to write the figures as a page too.
+    pub report: bool,
 }
 
 /// Everything that the files of an asset depend on in addition to its input.
@@ -76,10 +96,14 @@ impl Settings {
     /// # Errors
     /// [`Error::Invalid`], and errors of the file that [`Packing::provenance`] names.
     pub fn check(&self) -> Result<()> {
-        let AssetSettings { scan, bake, packing, .. } = &self.asset;
-        scan.check()?;
-        bake.check()?;
-        packing.check()?;
+        match &self.task {
+            Task::Bake(asset) => {
+                asset.scan.check()?;
+                asset.bake.check()?;
+                asset.packing.check()?;
+            }
+            Task::Photometric(settings) => settings.options.check()?,
+        }
         let of_picture = self.thumbnail.map(|picture| ("thumbnail", picture.size));
         let of_turn = self.turntable.map(|turn| ("turntable", turn.size));
         let mut sizes = of_picture.into_iter().chain(of_turn);
@@ -97,13 +121,29 @@ impl Settings {
     /// Returns the same settings with paths relative to `folder`.
     #[must_use]
     pub fn in_folder(mut self, folder: &Path) -> Self {
-        self.asset.paths_mut().into_iter().for_each(|path| *path = folder.join(&path));
+        self.task.paths_mut().into_iter().for_each(|path| *path = folder.join(&path));
         self
     }
+}
 
-    /// Returns true if the bake searches for a target error, which takes many bakes.
-    pub fn searches(&self) -> bool {
-        self.asset.bake.searches()
+impl Task {
+    /// Returns all paths in the settings.
+    fn paths_mut(&mut self) -> Vec<&mut PathBuf> {
+        match self {
+            Self::Bake(asset) => asset.paths_mut(),
+            Self::Photometric(settings) => settings.options.paths_mut().collect(),
+        }
+    }
+
+    /// Returns the same settings with file names in place of paths: the location of a collection must not affect the
+    /// content addresses.
+    #[must_use]
+    pub fn with_names(&self) -> Self {
+        let mut named = self.clone();
+        for path in named.paths_mut() {
+            *path = path.file_name().unwrap_or_default().into();
+        }
+        named
     }
 }
 
@@ -133,16 +173,5 @@ impl AssetSettings {
             MeshSource::Mesh(_) => None,
         });
         meshes.chain(skew_mask).chain(&mut self.packing.provenance).collect()
-    }
-
-    /// Returns the same settings with file names in place of paths: the location of a collection must not affect the
-    /// content addresses.
-    #[must_use]
-    pub fn with_names(&self) -> Self {
-        let mut named = self.clone();
-        for path in named.paths_mut() {
-            *path = path.file_name().unwrap_or_default().into();
-        }
-        named
     }
 }

@@ -3,14 +3,14 @@
 //! A content address is the SHA-256 of everything that files depend on. The description stored with an object
 //! contains nothing that depends on the machine or on when it was made.
 
-use crate::record::{FileEntry, InputFile, Part, SCHEMA, ShortFigures};
-use crate::settings::AssetSettings;
+use crate::record::{ASSET, EstimateFigures, FileEntry, InputFile, PHOTOGRAPHS, Part, SCHEMA, ShortFigures};
+use crate::settings::Task;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::fs;
 use std::path::{Path, PathBuf};
 use taotie::Warning;
-use taotie::asset::Figures;
+use taotie::asset::{Figures, Requirement, RequirementOutcome};
 use taotie_engine::{Error, Result};
 use taotie_io::{FileSet, read_bytes};
 
@@ -105,11 +105,15 @@ impl Store {
     pub fn sweep(&self, address: &str) {
         let folder = self.path(address);
         if folder.is_dir() {
-            let files = FileSet::new();
-            let _ = files.claim_folder(&folder);
-            drop(files);
-            // A folder that is not empty stays.
-            let _ = fs::remove_dir(&folder);
+            let entries = fs::read_dir(&folder).into_iter().flatten().flatten();
+            let inner = entries.map(|entry| entry.path()).filter(|path| path.is_dir());
+            for folder in inner.chain([folder.clone()]) {
+                let files = FileSet::new();
+                let _ = files.claim_folder(&folder);
+                drop(files);
+                // A folder that is not empty stays.
+                let _ = fs::remove_dir(&folder);
+            }
         }
     }
 
@@ -197,6 +201,33 @@ pub struct AssetObject {
     pub files: Vec<FileEntry>,
 }
 
+/// Normals from photographs.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct EstimateObject {
+    /// `photographs`.
+    pub kind: String,
+    /// The version of its figures, [`SCHEMA`].
+    pub schema: u32,
+    /// The version of the program.
+    pub version: String,
+    /// The figures.
+    pub estimated: EstimateFigures,
+    /// Doubts and corrections.
+    pub warnings: Vec<Warning>,
+    /// Its files.
+    pub files: Vec<FileEntry>,
+}
+
+/// The result of a task: an asset, or an estimate.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum MainObject {
+    /// A baked scan.
+    Asset(Box<AssetObject>),
+    /// Normals from photographs.
+    Estimate(Box<EstimateObject>),
+}
+
 /// A file derived from an asset's own files.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct DerivedObject {
@@ -222,6 +253,43 @@ impl Object for AssetObject {
     }
 }
 
+impl Object for EstimateObject {
+    fn files(&self) -> &[FileEntry] {
+        &self.files
+    }
+
+    fn kind(&self) -> &str {
+        &self.kind
+    }
+
+    fn is_current(&self) -> bool {
+        self.schema == SCHEMA
+    }
+}
+
+impl Object for MainObject {
+    fn files(&self) -> &[FileEntry] {
+        match self {
+            Self::Asset(asset) => asset.files(),
+            Self::Estimate(estimate) => estimate.files(),
+        }
+    }
+
+    fn kind(&self) -> &str {
+        match self {
+            Self::Asset(asset) => asset.kind(),
+            Self::Estimate(estimate) => estimate.kind(),
+        }
+    }
+
+    fn is_current(&self) -> bool {
+        match self {
+            Self::Asset(asset) => asset.is_current(),
+            Self::Estimate(estimate) => estimate.is_current(),
+        }
+    }
+}
+
 impl Object for DerivedObject {
     fn files(&self) -> &[FileEntry] {
         &self.files
@@ -241,6 +309,48 @@ impl AssetObject {
             size: self.size,
             ..ShortFigures::of(&self.figures)
         }
+    }
+}
+
+impl MainObject {
+    /// Returns the figures of a bake that lists show.
+    pub fn figures(&self) -> Option<ShortFigures> {
+        match self {
+            Self::Asset(asset) => Some(asset.short()),
+            Self::Estimate(_) => None,
+        }
+    }
+
+    /// Returns the figures of an estimate.
+    pub fn estimated(&self) -> Option<EstimateFigures> {
+        match self {
+            Self::Asset(_) => None,
+            Self::Estimate(estimate) => Some(estimate.estimated.clone()),
+        }
+    }
+
+    /// Returns problems and corrections.
+    pub fn warnings(&self) -> &[Warning] {
+        match self {
+            Self::Asset(asset) => &asset.warnings,
+            Self::Estimate(estimate) => &estimate.warnings,
+        }
+    }
+
+    /// Returns how requirements are met; estimates have none.
+    pub fn evaluate(&self, require: &[Requirement]) -> Vec<RequirementOutcome> {
+        match self {
+            Self::Asset(asset) => asset.figures.evaluate(require),
+            Self::Estimate(_) => Vec::new(),
+        }
+    }
+}
+
+impl EstimateObject {
+    /// Describes an estimate whose files have been written; their lengths are added to its figures.
+    pub fn of(mut estimated: EstimateFigures, warnings: Vec<Warning>, files: Vec<FileEntry>) -> Self {
+        estimated.bytes_out = files.iter().map(|file| file.bytes).sum();
+        Self { kind: PHOTOGRAPHS.into(), schema: SCHEMA, version: VERSION.into(), estimated, warnings, files }
     }
 }
 
@@ -266,10 +376,13 @@ pub fn entries(files: &[(String, PathBuf)]) -> Result<Vec<FileEntry>> {
 /// The version of the program; files depend on it too.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// Returns the address of an asset's files: the hash of its input, its settings and the version.
-pub fn address_of_asset(settings: &AssetSettings, input: &[InputFile]) -> String {
+/// Returns the address of a task's files: the hash of its input, its settings and the version.
+pub fn address_of(task: &Task, input: &[InputFile]) -> String {
     let input: Vec<_> = input.iter().map(|file| [&file.name, &file.sha256]).collect();
-    hash_of(&("asset", VERSION, settings.with_names(), input))
+    match task.with_names() {
+        Task::Bake(settings) => hash_of(&(ASSET, VERSION, settings, input)),
+        Task::Photometric(settings) => hash_of(&(PHOTOGRAPHS, VERSION, settings, input)),
+    }
 }
 
 /// Returns the address of files derived from the asset with the address `asset`.
@@ -286,6 +399,7 @@ pub fn hash_of(value: &impl Serialize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::settings::AssetSettings;
     use taotie::asset::{BakeOptions, MeshSource};
 
     fn file(name: &str, sha256: &str) -> InputFile {
@@ -294,19 +408,21 @@ mod tests {
 
     #[test]
     fn an_address_depends_on_content_names_and_options_and_on_no_folder() {
-        let low = |path: &str| AssetSettings {
+        let settings = |path: &str| AssetSettings {
             bake: BakeOptions { low: Some(MeshSource::File(path.into())), ..BakeOptions::default() },
             ..AssetSettings::default()
         };
-        let address = address_of_asset(&low("a/low.glb"), &[file("x.ply", "1")]);
+        let low = |path: &str| Task::Bake(Box::new(settings(path)));
+        let reported = Task::Bake(Box::new(AssetSettings { report: true, ..settings("a/low.glb") }));
+        let address = address_of(&low("a/low.glb"), &[file("x.ply", "1")]);
         assert_eq!(address.len(), 64);
-        assert_eq!(address, address_of_asset(&low("b/low.glb"), &[file("x.ply", "1")]));
+        assert_eq!(address, address_of(&low("b/low.glb"), &[file("x.ply", "1")]));
         let others = [
-            address_of_asset(&low("a/other.glb"), &[file("x.ply", "1")]),
-            address_of_asset(&low("a/low.glb"), &[file("y.ply", "1")]),
-            address_of_asset(&low("a/low.glb"), &[file("x.ply", "2")]),
-            address_of_asset(&low("a/low.glb"), &[file("x.ply", "1"), file("x.png", "1")]),
-            address_of_asset(&AssetSettings { report: true, ..low("a/low.glb") }, &[file("x.ply", "1")]),
+            address_of(&low("a/other.glb"), &[file("x.ply", "1")]),
+            address_of(&low("a/low.glb"), &[file("y.ply", "1")]),
+            address_of(&low("a/low.glb"), &[file("x.ply", "2")]),
+            address_of(&low("a/low.glb"), &[file("x.ply", "1"), file("x.png", "1")]),
+            address_of(&reported, &[file("x.ply", "1")]),
         ];
         assert!(others.iter().all(|other| *other != address));
         assert_ne!(

@@ -5,11 +5,13 @@
 //! along 256 rays, and the circle fitted to it without outliers.
 
 use crate::grey::GreyImage;
+use serde::{Deserialize, Serialize};
 use std::str::FromStr;
 use taotie_engine::math::scalar;
 
-/// A circle in a picture, in pixels: x to the right and y down from the top left corner.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A circle in a picture, in pixels: x to the right and y down from the top left corner. As JSON: `[x, y, radius]`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "[f64; 3]", into = "[f64; 3]")]
 pub struct Circle {
     /// Its centre.
     pub center: [f64; 2],
@@ -28,15 +30,29 @@ impl FromStr for Circle {
         let numbers: Option<Vec<f64>> = text.split(',').map(|v| v.trim().parse().ok()).collect();
         match numbers.as_deref() {
             Some([x, y, radius]) if [x, y, radius].iter().all(|v| v.is_finite()) => {
-                if *radius < LEAST_RADIUS {
-                    return Err(format!(
-                        "circle `{text}` is too small: its radius must be at least 8 pixels"
-                    ));
-                }
-                Ok(Self { center: [*x, *y], radius: *radius })
+                Self::try_from([*x, *y, *radius])
             }
             _ => Err(wrong()),
         }
+    }
+}
+
+impl TryFrom<[f64; 3]> for Circle {
+    type Error = String;
+
+    fn try_from([x, y, radius]: [f64; 3]) -> Result<Self, String> {
+        match radius < LEAST_RADIUS {
+            true => {
+                Err(format!("circle `{x},{y},{radius}` is too small: its radius must be at least 8 pixels"))
+            }
+            false => Ok(Self { center: [x, y], radius }),
+        }
+    }
+}
+
+impl From<Circle> for [f64; 3] {
+    fn from(Circle { center: [x, y], radius }: Circle) -> Self {
+        [x, y, radius]
     }
 }
 

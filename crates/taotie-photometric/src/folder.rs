@@ -1,5 +1,7 @@
 //! The files of a folder of photographs, and the photograph that a name in a file of lights refers to.
 
+use crate::diligent;
+use crate::relight::Relightable;
 use std::cmp::Ordering;
 use std::path::{Path, PathBuf};
 use taotie_engine::error::{Error, Result};
@@ -40,10 +42,7 @@ impl Folder {
     }
 
     fn of_names(path: &Path, names: Vec<String>) -> Self {
-        let is_other = |name: &str| ["mask", "normal", "normals", "normal_gt"].contains(&stem(name).as_str());
-        let is_image = |extension: String| [&READ[..], &UNREAD[..]].concat().contains(&extension.as_str());
-        let is_photograph = |name: &&String| is_image(extension(name)) && !is_other(name);
-        let photographs = names.iter().filter(is_photograph).cloned().collect();
+        let photographs = names.iter().filter(|name| is_photograph(name.as_ref())).cloned().collect();
         Self { path: path.to_path_buf(), names, photographs }
     }
 
@@ -109,6 +108,43 @@ impl Folder {
     pub fn nth(&self, index: usize) -> Option<PathBuf> {
         self.photographs.get(index).map(|name| self.path.join(name))
     }
+}
+
+/// Returns true for the name of a photograph, also in a format that is not read: an image except for masks and normal
+/// maps.
+pub fn is_photograph(file: &Path) -> bool {
+    let name = file.to_string_lossy();
+    let is_other = ["mask", "normal", "normals", "normal_gt"].contains(&stem(&name).as_str());
+    let extension = extension(&name);
+    [&READ[..], &UNREAD[..]].concat().contains(&extension.as_str()) && !is_other
+}
+
+/// Returns all files that an estimate from a folder, an `.lp` file or a relightable image can depend on: the file itself
+/// first, then the photographs, the mask and the files of lights in its folder, sorted as people number them.
+///
+/// # Errors
+/// [`Error::Io`] if the folder cannot be read.
+pub fn input_files(path: &Path) -> Result<Vec<PathBuf>> {
+    let is_folder = path.is_dir();
+    if !is_folder && Relightable::is_named(path) && !is_description(&path.to_string_lossy()) {
+        return Ok(vec![path.to_path_buf()]);
+    }
+    let folder = if is_folder { path } else { path.parent().unwrap_or(Path::new("")) };
+    let Folder { names, photographs, .. } = Folder::read(folder)?;
+    let is_text = |name: &str| {
+        let is_lights = diligent::FILES.iter().any(|file| name.eq_ignore_ascii_case(file));
+        is_folder && (is_lights || extension(name) == "lp" || is_description(name))
+    };
+    let is_mask = |name: &str| stem(name) == "mask" && READ.contains(&extension(name).as_str());
+    let is_input = |name: &&String| is_text(name) || is_mask(name) || photographs.contains(name);
+    let others = names.iter().filter(is_input).map(|name| folder.join(name));
+    let own = (!is_folder).then(|| path.to_path_buf());
+    Ok(own.into_iter().chain(others.filter(|other| other != path)).collect())
+}
+
+/// Returns true for the description of a relightable image whose planes are images next to it.
+fn is_description(name: &str) -> bool {
+    extension(name) == "json" && Relightable::is_named(Path::new(name))
 }
 
 /// Rejects an image format that is not read.
@@ -177,6 +213,35 @@ mod tests {
         let mut names = ["IMG_10.jpg", "img_9.jpg", "IMG_2.jpg", "a.jpg", "img_010b.jpg"];
         names.sort_by(|a, b| natural_order(a, b));
         assert_eq!(names, ["a.jpg", "IMG_2.jpg", "img_9.jpg", "IMG_10.jpg", "img_010b.jpg"]);
+    }
+
+    #[test]
+    fn inputs_are_photographs_masks_and_lights() {
+        let place = tempfile::tempdir().expect("temporary folders can be made");
+        for name in [
+            "p10.png",
+            "p9.png",
+            "mask.png",
+            "normal_gt.png",
+            "a.lp",
+            "b.lp",
+            "notes.txt",
+            "x.ptm",
+            "filenames.txt",
+        ] {
+            std::fs::write(place.path().join(name), "").expect("it can be written");
+        }
+        std::fs::create_dir(place.path().join("out.png")).expect("it is new");
+        let inputs = |path: PathBuf| {
+            let found = input_files(&path).expect("it can be read");
+            let name = |path: &PathBuf| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            found.iter().map(name).collect::<Vec<_>>()
+        };
+        let of_folder = ["a.lp", "b.lp", "filenames.txt", "mask.png", "p9.png", "p10.png"];
+        assert_eq!(inputs(place.path().to_path_buf()), of_folder);
+        assert_eq!(inputs(place.path().join("b.lp")), ["b.lp", "mask.png", "p9.png", "p10.png"]);
+        assert_eq!(inputs(place.path().join("x.ptm")), ["x.ptm"]);
+        assert!(input_files(&place.path().join("none/a.lp")).is_err());
     }
 
     #[test]

@@ -39,6 +39,7 @@ mod light;
 mod lp;
 mod materials;
 mod multigrid;
+mod options;
 mod photograph;
 mod plane;
 mod program;
@@ -61,12 +62,14 @@ pub use calibration::{Balls, Setup};
 pub use circle::{Circle, Outline};
 pub use depth::Relief;
 pub use estimate::{Estimate, Estimator, PixelEstimate};
+pub use folder::{input_files, is_photograph};
 pub use integrability::Curl;
 pub use light::Light;
 pub use materials::{
     Frame, Lamp, LampPlace, Layout, Lens, MaterialEstimate, MaterialMaps, MaterialsEstimate, MaterialsInput,
     Model, PhotographResiduals, Pose, Texel, TexelEstimate, Transforms,
 };
+pub use options::{PhotometricOptions, marks_photographs};
 pub use photograph::{Photograph, Sample, Transfer};
 pub use program::Finish;
 pub use relight::{Basis, Coefficients, ColorModel, ColorReader, Plane, Quality, RelightFormat, Relightable};

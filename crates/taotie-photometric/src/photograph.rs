@@ -2,6 +2,7 @@
 
 use crate::grey::GreyImage;
 use crate::light::Light;
+use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use taotie_engine::error::{Error, Result};
 use taotie_engine::image::{Bitmap, Texels};
@@ -10,7 +11,8 @@ use taotie_engine::names::Named;
 use taotie_io::{Limits, read_bitmap_within};
 
 /// The meaning of the numbers in photographs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "&'static str")]
 pub enum Transfer {
     /// Linear for 16 bits and floats, sRGB for 8 bits.
     #[default]
@@ -25,6 +27,20 @@ impl Named for Transfer {
     const WHAT: &'static str = "encoding of photographs";
     const NAMES: &'static [(&'static str, Self)] =
         &[("auto", Self::Auto), ("linear", Self::Linear), ("srgb", Self::Srgb)];
+}
+
+impl TryFrom<String> for Transfer {
+    type Error = Error;
+
+    fn try_from(name: String) -> Result<Self> {
+        Self::from_name(&name)
+    }
+}
+
+impl From<Transfer> for &'static str {
+    fn from(transfer: Transfer) -> Self {
+        transfer.name()
+    }
 }
 
 impl Transfer {

@@ -50,6 +50,28 @@ pub struct Reading<'a> {
 }
 
 impl Samples {
+    /// Estimates the memory of reading and estimating a set: reads its first photograph and its mask. Returns it with the
+    /// number of samples.
+    ///
+    /// # Errors
+    /// Those of reading these images.
+    pub fn need(set: &PhotographSet, reading: &Reading<'_>) -> Result<(Bytes, u64)> {
+        let shape = Self::shape(set, reading)?;
+        let pixels = match set.mask_or(reading.mask) {
+            Some(path) => mask_pixels(path, shape, &reading.limits)?.len(),
+            None => shape.width as usize * shape.height as usize,
+        };
+        let count = set.photographs.len();
+        Ok((Bytes(estimated_bytes(count, pixels, shape)), pixels as u64 * count as u64))
+    }
+
+    fn shape(set: &PhotographSet, reading: &Reading<'_>) -> Result<Shape> {
+        Ok(match &set.relightable {
+            Some(image) => Shape { width: image.width, height: image.height, bits: 8 },
+            None => Shape::of(&read_bitmap_within(&set.photographs[0].path, &reading.limits)?),
+        })
+    }
+
     /// Reads all photographs of a set.
     ///
     /// # Errors
@@ -57,10 +79,7 @@ impl Samples {
     /// if sizes or depths differ or the mask is empty, [`Error::Limit`], [`Error::Cancelled`].
     pub fn read(set: &PhotographSet, reading: &Reading, progress: Progress<'_>) -> Result<Self> {
         let first = &set.photographs[0].path;
-        let shape = match &set.relightable {
-            Some(image) => Shape { width: image.width, height: image.height, bits: 8 },
-            None => Shape::of(&read_bitmap_within(first, &reading.limits)?),
-        };
+        let shape = Self::shape(set, reading)?;
         let mask = match set.mask_or(reading.mask) {
             Some(path) => mask_pixels(path, shape, &reading.limits)?,
             None => (0..shape.width * shape.height).collect(),
@@ -206,8 +225,8 @@ fn check_flat(path: &Path, board: &[Sample]) -> Result<()> {
 
 /// Returns the memory for reading and estimating: samples, one decoded photograph for each thread, and results.
 fn estimated_bytes(photographs: usize, pixels: usize, shape: Shape) -> u64 {
-    /// The program itself.
-    const PROGRAM: u64 = 32 << 20;
+    /// The program itself, and the report page.
+    const PROGRAM: u64 = 48 << 20;
     /// Surfaces, estimates, covariances, heights and files of a pixel.
     const RESULTS: u64 = 1000;
     /// A decoded pixel with the decoder's own copy.

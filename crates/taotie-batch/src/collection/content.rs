@@ -21,13 +21,13 @@ pub struct Content {
     pub address: Option<String>,
     /// The folder for all output.
     pub output: PathBuf,
-    /// Where to look for scans.
+    /// Where to look for objects.
     pub source: Vec<Spanned<Source>>,
-    /// Options for all scans.
+    /// Options for all objects.
     pub made: Made,
     /// How to run the work.
     pub run: Run,
-    /// Options for some scans.
+    /// Options for some objects.
     pub overrides: Vec<Override>,
 }
 
@@ -44,6 +44,7 @@ struct Whole {
     bake: Option<Keys>,
     packing: Option<Keys>,
     verify: Option<Keys>,
+    photometric: Option<Keys>,
     report: Option<bool>,
     thumbnail: Option<Spanned<Switch>>,
     turntable: Option<Spanned<Switch>>,
@@ -63,6 +64,7 @@ struct OneOverride {
     bake: Option<Keys>,
     packing: Option<Keys>,
     verify: Option<Keys>,
+    photometric: Option<Keys>,
     report: Option<bool>,
     thumbnail: Option<Spanned<Switch>>,
     turntable: Option<Spanned<Switch>>,
@@ -83,13 +85,14 @@ pub enum Switch {
     With(Table),
 }
 
-/// Options of what to make from scans.
+/// Options of what to make from objects.
 #[derive(Debug, Default)]
 pub struct Made {
     pub scan: Option<Keys>,
     pub bake: Option<Keys>,
     pub packing: Option<Keys>,
     pub verify: Option<Keys>,
+    pub photometric: Option<Keys>,
     pub report: Option<bool>,
     pub thumbnail: Option<Spanned<Switch>>,
     pub turntable: Option<Spanned<Switch>>,
@@ -97,15 +100,17 @@ pub struct Made {
     pub require: Option<Vec<Spanned<String>>>,
 }
 
-/// A place to look for scans: exactly one of the three fields is set.
+/// A place to look for objects: exactly one of the fields is set.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Source {
-    /// A folder: every model in it, at any depth.
+    /// A folder: every model in it, and every folder with a file of lights, at any depth.
     pub folder: Option<PathBuf>,
+    /// A folder: every folder in it with photographs, at any depth, whatever shows their lights.
+    pub photographs: Option<PathBuf>,
     /// A path pattern.
     pub glob: Option<String>,
-    /// A CSV or JSONL file that lists models.
+    /// A CSV or JSONL file that lists models, and folders or files of photographs.
     pub list: Option<PathBuf>,
 }
 
@@ -129,7 +134,7 @@ pub struct RunSettings {
     pub time_limit: Option<Duration>,
 }
 
-/// Options for the scans whose ids match a pattern.
+/// Options for the objects whose ids match a pattern.
 #[derive(Debug)]
 pub struct Override {
     id: Spanned<String>,
@@ -144,8 +149,10 @@ fn default_output() -> PathBuf {
 impl From<Whole> for Content {
     fn from(whole: Whole) -> Self {
         let Whole { title, address, output, source, run, overrides, .. } = whole;
-        let Whole { scan, bake, packing, verify, report, thumbnail, turntable, viewer, require, .. } = whole;
-        let made = Made { scan, bake, packing, verify, report, thumbnail, turntable, viewer, require };
+        let Whole { scan, bake, packing, verify, photometric, report, .. } = whole;
+        let Whole { thumbnail, turntable, viewer, require, .. } = whole;
+        let made =
+            Made { scan, bake, packing, verify, photometric, report, thumbnail, turntable, viewer, require };
         let overrides = overrides.into_iter().map(Override::of).collect();
         Self { title, address, output, source, made, run, overrides }
     }
@@ -158,14 +165,16 @@ impl Content {
     /// [`taotie_engine::Error::Parse`] with the line.
     pub fn check(&self, lines: Lines<'_>) -> Result<()> {
         if self.source.is_empty() {
-            return Err(lines.parse(0..0, "name at least one [[source]]: a folder, a glob or a list"));
+            return Err(
+                lines.parse(0..0, "name at least one [[source]]: a folder, photographs, a glob or a list")
+            );
         }
         for source in &self.source {
-            let Source { folder, glob, list } = source.get_ref();
-            let count =
-                usize::from(folder.is_some()) + usize::from(glob.is_some()) + usize::from(list.is_some());
-            if count != 1 {
-                return Err(lines.parse(source.span(), "a source must be one of `folder`, `glob` and `list`"));
+            let Source { folder, photographs, glob, list } = source.get_ref();
+            let keys = [folder.is_some(), photographs.is_some(), glob.is_some(), list.is_some()];
+            if keys.iter().filter(|is_set| **is_set).count() != 1 {
+                let what = "a source must be one of `folder`, `photographs`, `glob` and `list`";
+                return Err(lines.parse(source.span(), what));
             }
             if let Some(Err(error)) = glob.as_deref().map(Pattern::new) {
                 return Err(lines.parse(source.span(), &format!("glob: {error}")));
@@ -176,7 +185,8 @@ impl Content {
 
     /// Returns the position of the options for all scans.
     pub fn span_of_choices(&self) -> Range<usize> {
-        let tables = [&self.made.scan, &self.made.bake, &self.made.packing, &self.made.verify];
+        let Made { scan, bake, packing, verify, photometric, .. } = &self.made;
+        let tables = [scan, bake, packing, verify, photometric];
         let keys = tables.into_iter().flatten().flat_map(|keys| keys.keys()).map(Spanned::span);
         keys.min_by_key(|span| span.start).unwrap_or(0..0)
     }
@@ -185,9 +195,11 @@ impl Content {
 impl Override {
     fn of(read: Spanned<OneOverride>) -> Self {
         let span = read.span();
-        let OneOverride { id, scan, bake, packing, verify, report, thumbnail, turntable, viewer, require } =
-            read.into_inner();
-        let made = Made { scan, bake, packing, verify, report, thumbnail, turntable, viewer, require };
+        let read = read.into_inner();
+        let OneOverride { id, scan, bake, packing, verify, photometric, report, .. } = read;
+        let OneOverride { thumbnail, turntable, viewer, require, .. } = read;
+        let made =
+            Made { scan, bake, packing, verify, photometric, report, thumbnail, turntable, viewer, require };
         Self { id, made: Spanned::new(span, made) }
     }
 

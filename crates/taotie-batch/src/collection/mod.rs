@@ -1,4 +1,4 @@
-//! `collection.toml`: where the scans of a collection are, and what to make from them.
+//! `collection.toml`: where the objects of a collection are, and what to make from them.
 
 mod content;
 mod sources;
@@ -8,12 +8,12 @@ use crate::settings::Settings;
 use content::{Content, Lines, Override};
 use glob::Pattern;
 use std::path::{Path, PathBuf};
-use tables::Choices;
-use taotie_engine::{Error, Result};
+use tables::{Choices, Unused};
+use taotie_engine::{Error, Result, Warnings};
 use taotie_io::read_bytes;
 
 pub use content::{RunSettings, duration};
-pub use sources::{Found, Scan};
+pub use sources::{Found, Kind, Scan};
 
 /// A collection as described by its file, checked.
 #[derive(Debug)]
@@ -59,9 +59,16 @@ impl Collection {
     fn check(&self, lines: Lines<'_>) -> Result<()> {
         self.content.check(lines)?;
         let checked = |settings: Result<Settings>| self.checked(settings?).map(drop);
-        checked(self.combined(&[])).map_err(|error| lines.within(self.content.span_of_choices(), error))?;
+        let both = [Kind::Scan, Kind::Photographs];
+        for kind in both {
+            let own = self.combined(&[], kind);
+            checked(own).map_err(|error| lines.within(self.content.span_of_choices(), error))?;
+        }
         for (one, (_, choices)) in self.content.overrides.iter().zip(&self.overrides) {
-            checked(self.combined(&[choices])).map_err(|error| lines.within(one.made.span(), error))?;
+            for kind in both {
+                let own = self.combined(&[choices], kind);
+                checked(own).map_err(|error| lines.within(one.made.span(), error))?;
+            }
         }
         Ok(())
     }
@@ -102,41 +109,63 @@ impl Collection {
         self.content.run.settings()
     }
 
-    /// Finds the scans.
+    /// Finds the objects.
     ///
     /// # Errors
-    /// [`Error::Io`] if a folder or a list does not exist; [`Error::Invalid`] if the ids of two scans are equal or
+    /// [`Error::Io`] if a folder or a list does not exist; [`Error::Invalid`] if the ids of two objects are equal or
     /// differ only in case, or if there are none at all.
     pub fn scans(&self) -> Result<Found> {
         sources::find(&self.content.source, self.folder(), &self.output())
     }
 
-    /// Returns the settings of the asset with this id: later overrides take precedence. Paths in it are relative to
-    /// the collection's folder.
+    /// Returns the settings of an object: later overrides take precedence. Paths in it are relative to the collection's
+    /// folder.
     ///
     /// # Errors
     /// [`Error::Invalid`] if overrides contradict one another.
-    pub fn settings(&self, id: &str) -> Result<Settings> {
+    pub fn settings(&self, id: &str, kind: Kind) -> Result<Settings> {
         let chosen = self.overrides.iter().filter(|(pattern, _)| Override::covers(pattern, id));
         let chosen: Vec<_> = chosen.map(|(_, choices)| choices).collect();
-        let settings = self.combined(&chosen)?;
+        let settings = self.combined(&chosen, kind)?;
         if chosen.len() < 2 {
             return Ok(settings);
         }
         self.checked(settings).map_err(|error| error.within(id))
     }
 
-    /// Returns the patterns of overrides that cover none of these ids.
-    pub fn unused_overrides(&self, scans: &[Scan]) -> Vec<&str> {
-        let covers_none = |pattern: &&Pattern| !scans.iter().any(|scan| Override::covers(pattern, &scan.id));
-        self.overrides.iter().map(|(pattern, _)| pattern).filter(covers_none).map(Pattern::as_str).collect()
+    /// Returns warnings about options without effect: of overrides that cover no object, and of a kind of object that
+    /// they do not cover.
+    pub fn unused_options(&self, scans: &[Scan]) -> Warnings {
+        let mut warnings = Warnings::default();
+        note_unused(&self.choices, (&scans.iter().collect::<Vec<_>>(), ""), &mut warnings);
+        for (pattern, choices) in &self.overrides {
+            let covers = |scan: &&Scan| Override::covers(pattern, &scan.id);
+            let covered: Vec<&Scan> = scans.iter().filter(covers).collect();
+            if covered.is_empty() {
+                warnings.note(format!("the override for `{pattern}` matches no asset"), 1);
+            }
+            note_unused(choices, (&covered, &format!(" of the override for `{pattern}`")), &mut warnings);
+        }
+        warnings
     }
 
     fn checked(&self, settings: Settings) -> Result<Settings> {
         settings.clone().in_folder(self.folder()).check().map(|()| settings)
     }
 
-    fn combined(&self, further: &[&Choices]) -> Result<Settings> {
-        tables::settings(std::iter::once(&self.choices).chain(further.iter().copied()))
+    fn combined(&self, further: &[&Choices], kind: Kind) -> Result<Settings> {
+        tables::settings(std::iter::once(&self.choices).chain(further.iter().copied()), kind)
+    }
+}
+
+/// Counts the objects on which choices have no effect. A table for one kind of object has one if any of this kind is
+/// covered.
+fn note_unused(choices: &Choices, (covered, place): (&[&Scan], &str), warnings: &mut Warnings) {
+    for (kind, name) in [(Kind::Scan, "scans"), (Kind::Photographs, "photographs")] {
+        let count = covered.iter().filter(|scan| scan.kind == kind).count();
+        for Unused { key, is_table } in choices.unused_by(kind) {
+            let is_meant = is_table && count < covered.len();
+            warnings.note(format!("{key}{place} has no effect on {name}"), if is_meant { 0 } else { count });
+        }
     }
 }

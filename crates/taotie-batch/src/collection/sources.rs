@@ -1,5 +1,5 @@
-//! The scans of a collection: found in folders, by patterns, and in lists, which are CSV with a header, or one JSON
-//! object per line.
+//! The objects of a collection, scans and folders of photographs: found in folders, by patterns, and in lists, which are
+//! CSV with a header, or one JSON object per line.
 
 use super::content::{Override, Source};
 use crate::record::slashed;
@@ -10,24 +10,36 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use taotie_engine::{Error, Result, Warnings};
 use taotie_io::read_bytes;
+use taotie_photometric::{Relightable, is_photograph, marks_photographs};
 use toml::Spanned;
 use walkdir::{DirEntry, WalkDir};
 
-/// A scan of a collection.
+/// The kind of an object, which determines what is made of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// A scan, which is baked.
+    Scan,
+    /// Photographs under changing light, from which normals are estimated.
+    Photographs,
+}
+
+/// An object of a collection: a scan, or photographs.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Scan {
     /// Its id in the collection, with `/` between folders.
     pub id: String,
-    /// Its file, relative to the folder of the collection's file.
+    /// Its kind.
+    pub kind: Kind,
+    /// Its file, or the folder of photographs, relative to the folder of the collection's file.
     pub path: PathBuf,
     /// Its title, for people.
     pub title: Option<String>,
 }
 
-/// The scans of a collection, with warnings about its lists.
+/// The objects of a collection, with warnings about its lists.
 #[derive(Debug, Default)]
 pub struct Found {
-    /// The scans, by id.
+    /// The objects, by id.
     pub scans: Vec<Scan>,
     /// Parts of lists that were ignored.
     pub warnings: Warnings,
@@ -58,6 +70,17 @@ struct Below<'a> {
     depth: usize,
     /// Decides by the path below the root, with `/` between folders.
     is_wanted: &'a dyn Fn(&str) -> bool,
+    /// The files that mark an object.
+    marks: Marks,
+}
+
+/// The files that mark an object.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Marks {
+    /// Models, and files of lights, which mark their folder.
+    ModelsAndLights,
+    /// Images, which mark their folder.
+    Images,
 }
 
 /// Finds the scans of all sources.
@@ -75,7 +98,8 @@ pub fn find(sources: &[Spanned<Source>], folder: &Path, output: &Path) -> Result
     match search.found.is_empty() {
         true => Err(Error::invalid(
             "[[source]]",
-            "no models found; models are .gltf, .glb, .obj, .ply, .stl and .fbx files",
+            "no models and no photographs found; models are .gltf, .glb, .obj, .ply, .stl and .fbx files, photographs are in \
+             folders with an .lp file or light_directions.txt, or below a source with the key `photographs`",
         )),
         false => Ok(Found { scans: search.found.into_values().collect(), warnings: search.warnings }),
     }
@@ -85,7 +109,13 @@ impl Search<'_> {
     fn read(&mut self, source: &Source) -> Result<()> {
         if let Some(folder) = &source.folder {
             let root = self.folder.join(folder);
-            self.read_below(Below { root: &root, depth: usize::MAX, is_wanted: &|_| true })?;
+            let marks = Marks::ModelsAndLights;
+            self.read_below(Below { root: &root, depth: usize::MAX, is_wanted: &|_| true, marks })?;
+        }
+        if let Some(folder) = &source.photographs {
+            let root = self.folder.join(folder);
+            let marks = Marks::Images;
+            self.read_below(Below { root: &root, depth: usize::MAX, is_wanted: &|_| true, marks })?;
         }
         if let Some(pattern) = &source.glob {
             self.read_glob(pattern)?;
@@ -98,9 +128,9 @@ impl Search<'_> {
         Ok(())
     }
 
-    /// Adds every model below a folder; ids are relative to it. Links that lead nowhere are scans that cannot be read if
+    /// Adds every object below a folder; ids are relative to it. Links that lead nowhere are scans that cannot be read if
     /// they have a model's name; anything else that cannot be read is skipped with a warning.
-    fn read_below(&mut self, Below { root, depth, is_wanted }: Below<'_>) -> Result<()> {
+    fn read_below(&mut self, Below { root, depth, is_wanted, marks }: Below<'_>) -> Result<()> {
         let output = self.output.clone();
         let is_own = |path: &Path| is_inside(output.as_deref(), path);
         let walk = WalkDir::new(root).max_depth(depth).follow_links(true).sort_by_file_name();
@@ -123,9 +153,13 @@ impl Search<'_> {
                     None => continue,
                 },
             };
-            let id = slashed(path.strip_prefix(root).unwrap_or(&path));
-            if is_model(&path) && is_wanted(&id) && !is_own(&path) {
-                self.add(Scan { id, path, title: None })?;
+            let Some((kind, path)) = marks.object(path, root) else { continue };
+            let id = match slashed(path.strip_prefix(root).unwrap_or(&path)) {
+                id if id.is_empty() => name_of_folder(&path),
+                id => id,
+            };
+            if is_wanted(&id) && !is_own(&path) {
+                self.add(Scan { id, kind, path, title: None })?;
             }
         }
         loops.iter().for_each(|path| self.skip(path, LOOP));
@@ -166,17 +200,21 @@ impl Search<'_> {
         let depth = if is_deep { usize::MAX } else { rest.components().count() };
         let before = self.found.len();
         if root.is_dir() {
-            self.read_below(Below { root: &root, depth, is_wanted: &|id| Override::covers(&wanted, id) })?;
+            let is_wanted = |id: &str| Override::covers(&wanted, id);
+            // The files of a folder that matches are one level further down.
+            let depth = depth.saturating_add(1);
+            let marks = Marks::ModelsAndLights;
+            self.read_below(Below { root: &root, depth, is_wanted: &is_wanted, marks })?;
         }
         if self.found.len() == before {
-            self.warnings.note(format!("glob `{pattern}` adds no scan"), 1);
+            self.warnings.note(format!("glob `{pattern}` adds no object"), 1);
         }
         Ok(())
     }
 
     fn add(&mut self, mut scan: Scan) -> Result<()> {
         if let Ok(path) = scan.path.strip_prefix(self.folder) {
-            scan.path = path.to_path_buf();
+            scan.path = if path.as_os_str().is_empty() { ".".into() } else { path.to_path_buf() };
         }
         if scan.id.split('/').any(|part| matches!(part, "" | "." | "..")) || scan.id.contains('\\') {
             return Err(Error::invalid(format!("the id `{}`", scan.id), "use names separated by /"));
@@ -203,10 +241,37 @@ impl Search<'_> {
     }
 }
 
+impl Marks {
+    /// Returns the object that a file marks; the folder `root` itself has no other name than its own.
+    fn object(self, file: PathBuf, root: &Path) -> Option<(Kind, PathBuf)> {
+        let folder = |file: &Path| file.parent().unwrap_or(root).to_path_buf();
+        match self {
+            Self::ModelsAndLights if is_model(&file) => Some((Kind::Scan, file)),
+            Self::ModelsAndLights if marks_photographs(&file) => Some((Kind::Photographs, folder(&file))),
+            Self::Images if is_photograph(&file) => Some((Kind::Photographs, folder(&file))),
+            _ => None,
+        }
+    }
+}
+
+impl Kind {
+    /// Returns the kind of an object that a list names.
+    fn of(path: &Path) -> Self {
+        let is_light = |path: &Path| marks_photographs(path) || Relightable::is_named(path);
+        if path.is_dir() || is_light(path) { Self::Photographs } else { Self::Scan }
+    }
+}
+
 /// Returns `true` for a link to `root` or a folder above it.
 fn leads_above(entry: &DirEntry, root: Option<&Path>) -> bool {
     let target = entry.path_is_symlink().then(|| entry.path().canonicalize().ok()).flatten();
     target.zip(root).is_some_and(|(target, root)| root.starts_with(target))
+}
+
+/// Returns the name of a folder, also of one written as `.`.
+fn name_of_folder(path: &Path) -> String {
+    let whole = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+    whole.file_name().map(|name| slashed(name.as_ref())).unwrap_or_default()
 }
 
 /// Returns true if a path is in the output folder, or is that folder.
@@ -296,6 +361,6 @@ impl Entry {
         let named = Path::new(&self.path).components();
         let named = named.filter(|part| matches!(part, std::path::Component::Normal(_)));
         let id = words(self.id).unwrap_or_else(|| slashed(&named.collect::<PathBuf>()));
-        Scan { id, path: own, title: words(self.title) }
+        Scan { id, kind: Kind::of(&own), path: own, title: words(self.title) }
     }
 }

@@ -2,11 +2,13 @@
 //! tables, to be merged.
 
 use super::content::{Keys, Lines, Made, Switch};
-use crate::settings::{AssetSettings, Settings, Thumbnail, Turntable, ViewerPage};
+use super::sources::Kind;
+use crate::settings::{AssetSettings, PhotometricSettings, Settings, Task, Thumbnail, Turntable, ViewerPage};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use taotie::asset::{BakeOptions, Packing, Requirement, ScanOptions, VerifyOptions};
 use taotie_engine::{Error, Result};
+use taotie_photometric::PhotometricOptions;
 use toml::{Spanned, Table, Value};
 
 /// The options that one part of a collection's file sets.
@@ -16,6 +18,7 @@ pub struct Choices {
     bake: Table,
     packing: Table,
     verify: Table,
+    photometric: Table,
     report: Option<bool>,
     thumbnail: Option<Switch>,
     turntable: Option<Switch>,
@@ -35,6 +38,8 @@ struct Typed {
     _packing: Packing,
     #[serde(rename = "verify")]
     _verify: VerifyOptions,
+    #[serde(rename = "photometric")]
+    _photometric: PhotometricOptions,
     #[serde(rename = "override")]
     _overrides: Vec<Self>,
 }
@@ -66,6 +71,7 @@ impl Choices {
             bake: known::<BakeOptions>(lines, ("bake", &made.bake))?,
             packing: known::<Packing>(lines, ("packing", &made.packing))?,
             verify: known::<VerifyOptions>(lines, ("verify", &made.verify))?,
+            photometric: known::<PhotometricOptions>(lines, ("photometric", &made.photometric))?,
             report: made.report,
             thumbnail: made.thumbnail.as_ref().map(|switch| switch.get_ref().clone()),
             turntable: made.turntable.as_ref().map(|switch| switch.get_ref().clone()),
@@ -84,6 +90,33 @@ impl Choices {
         }
         Ok(choices)
     }
+
+    /// Returns the keys that are set but have no effect on objects of a kind.
+    pub fn unused_by(&self, kind: Kind) -> Vec<Unused> {
+        let table = |key, table: &Table| (!table.is_empty()).then_some(Unused { key, is_table: true });
+        let other = |key, is_set: bool| is_set.then_some(Unused { key, is_table: false });
+        let is_on = |switch: &Option<Switch>| !matches!(switch, None | Some(Switch::Is(false)));
+        let keys = match kind {
+            Kind::Scan => vec![table("[photometric]", &self.photometric)],
+            Kind::Photographs => vec![
+                table("[scan]", &self.scan),
+                table("[bake]", &self.bake),
+                table("[packing]", &self.packing),
+                table("[verify]", &self.verify),
+                other("turntable", is_on(&self.turntable)),
+                other("require", self.require.as_ref().is_some_and(|list| !list.is_empty())),
+            ],
+        };
+        keys.into_iter().flatten().collect()
+    }
+}
+
+/// A key that has no effect on a kind of object.
+pub struct Unused {
+    /// The key as the file has it.
+    pub key: &'static str,
+    /// True for a table that is meant for the other kind.
+    pub is_table: bool,
 }
 
 /// Refuses keys that a struct does not have; returns the table.
@@ -102,29 +135,35 @@ fn known<T: Default + Serialize>(lines: Lines<'_>, (name, table): (&str, &Option
     keys.map(read).collect()
 }
 
-/// Merges choices; later ones take precedence.
+/// Merges choices for an object of a kind; later ones take precedence. Photographs have no turntable and no requirements.
 ///
 /// # Errors
 /// [`Error::Invalid`] if they contradict one another.
-pub fn settings<'a>(choices: impl Iterator<Item = &'a Choices>) -> Result<Settings> {
+pub fn settings<'a>(choices: impl Iterator<Item = &'a Choices>, kind: Kind) -> Result<Settings> {
     let choices: Vec<_> = choices.collect();
-    let mut defaults = Settings::default();
-    defaults.asset.report = true;
     let wrong = |error: toml::de::Error| Error::invalid("options", error.message().replace('\n', " "));
-    let last = |of: fn(&Choices) -> Option<bool>| choices.iter().rev().find_map(|choices| of(choices));
+    let report = choices.iter().rev().find_map(|choices| choices.report).unwrap_or(true);
     let require = choices.iter().rev().find_map(|choices| choices.require.clone());
-    Ok(Settings {
-        asset: AssetSettings {
+    let task = match kind {
+        Kind::Scan => Task::Bake(Box::new(AssetSettings {
             scan: table(choices.iter().map(|choices| &choices.scan)).map_err(wrong)?,
             bake: table(choices.iter().map(|choices| &choices.bake)).map_err(wrong)?,
             packing: table(choices.iter().map(|choices| &choices.packing)).map_err(wrong)?,
             verify: table(choices.iter().map(|choices| &choices.verify)).map_err(wrong)?,
-            report: last(|choices| choices.report).unwrap_or(true),
-        },
+            report,
+        })),
+        Kind::Photographs => Task::Photometric(PhotometricSettings {
+            options: table(choices.iter().map(|choices| &choices.photometric)).map_err(wrong)?,
+            report,
+        }),
+    };
+    let is_scan = kind == Kind::Scan;
+    Ok(Settings {
+        task,
         thumbnail: part_or(&choices, |choices| &choices.thumbnail, true).map_err(wrong)?,
-        turntable: part_or(&choices, |choices| &choices.turntable, false).map_err(wrong)?,
+        turntable: part_or(&choices, |choices| &choices.turntable, false).map_err(wrong)?.filter(|_| is_scan),
         viewer: part_or(&choices, |choices| &choices.viewer, false).map_err(wrong)?,
-        require: require.unwrap_or_default(),
+        require: require.filter(|_| is_scan).unwrap_or_default(),
     })
 }
 

@@ -75,9 +75,7 @@ pub fn drive(
     let books = Books::open(collection.output(), options.shard)?;
     let plan = Plan::of(collection, &found.scans, &books, options)?;
     let mut summary = Summary { known: plan.known, warnings: found.warnings, ..Summary::default() };
-    for pattern in collection.unused_overrides(&found.scans) {
-        summary.warnings.note(format!("the override for `{pattern}` matches no asset"), 1);
-    }
+    summary.warnings.absorb(collection.unused_options(&found.scans));
     let ids = plan.ids.clone();
     let mut driver = Driver::new(collection, options, worker, books);
     driver.all = plan.todo.iter().map(Todo::cost).sum();
@@ -167,7 +165,7 @@ impl<'a> Driver<'a> {
     fn start_more(&mut self, hear: &mut dyn FnMut(Event<'_>) -> bool) -> Result<()> {
         while self.running.len() < self.jobs && self.running.iter().all(|one| one.phase != Phase::Waiting) {
             let Some(next) = self.queue.front() else { return Ok(()) };
-            let want = running::memory_to_read(next.bytes);
+            let want = running::memory_to_read(next.bytes_at_once());
             if !self.ledger.has_room(want, 0) && !self.running.is_empty() {
                 return Ok(());
             }
@@ -209,8 +207,8 @@ impl<'a> Driver<'a> {
             return Ok(());
         };
         match said {
-            Some(Message::Forecast { bytes, triangles }) => {
-                self.running[at].wait_for_memory(bytes, triangles);
+            Some(Message::Forecast { bytes, size }) => {
+                self.running[at].wait_for_memory(bytes, size);
                 Ok(())
             }
             Some(message) => {

@@ -1,17 +1,18 @@
 //! The plan of the work on a collection: its options, the known state with its records, and the assets to be made.
 
-use crate::collection::{Collection, Scan};
+use crate::collection::{Collection, Kind, Scan};
 use crate::job::Outcome;
 use crate::manifest::{History, Manifest, Shard};
 use crate::record::{InputFile, Record, SCHEMA, State};
-use crate::settings::Settings;
-use crate::store::{AssetObject, Store, VERSION, hash_of};
+use crate::settings::{Settings, Task};
+use crate::store::{MainObject, Store, VERSION, hash_of};
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use taotie::Bytes;
 use taotie_engine::{Error, Result, Warnings};
+use taotie_photometric::input_files;
 
 /// How to run the work on a collection. `None` means: as the collection's file states.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -39,7 +40,7 @@ pub struct Todo {
     pub settings: Settings,
     /// The SHA-256 of the settings, except for requirements.
     pub settings_hash: String,
-    /// The scan's own file, not read yet; empty if it does not exist.
+    /// The scan's own file, or all files of photographs, not read yet; empty if there is none.
     pub input: Vec<InputFile>,
     /// Its size in bytes.
     pub bytes: u64,
@@ -50,6 +51,11 @@ impl Todo {
     pub fn cost(&self) -> f64 {
         const EACH: u64 = 1 << 18;
         (EACH + self.bytes) as f64
+    }
+
+    /// Returns the bytes that are read before the memory is estimated: a whole scan; photographs one after the other.
+    pub fn bytes_at_once(&self) -> u64 {
+        self.input.iter().map(|file| file.bytes).max().unwrap_or(0)
     }
 }
 
@@ -111,14 +117,34 @@ impl Plan {
 }
 
 fn todo(collection: &Collection, scan: &Scan) -> Result<Todo> {
-    let settings = collection.settings(&scan.id)?;
-    let Settings { asset, thumbnail, turntable, viewer, .. } = &settings;
-    let settings_hash = hash_of(&(asset.with_names(), thumbnail, turntable, viewer));
-    let is_text = scan.path.to_str().is_some();
-    let known = InputFile::stat(&collection.folder().join(&scan.path)).ok().filter(|_| is_text);
-    let input: Vec<_> = known.map(|file| InputFile { path: scan.path.clone(), ..file }).into_iter().collect();
+    let settings = collection.settings(&scan.id, scan.kind)?;
+    let Settings { task, thumbnail, turntable, viewer, .. } = &settings;
+    let settings_hash = match task.with_names() {
+        Task::Bake(asset) => hash_of(&(asset, thumbnail, turntable, viewer)),
+        Task::Photometric(own) => hash_of(&(own, thumbnail, viewer)),
+    };
+    let input = input(collection.folder(), scan);
     let bytes = input.iter().map(|file| file.bytes).sum();
     Ok(Todo { scan: scan.clone(), settings, settings_hash, input, bytes })
+}
+
+/// Returns the object's own files, with paths relative to `folder`; none if one of them cannot be opened.
+fn input(folder: &Path, scan: &Scan) -> Vec<InputFile> {
+    if scan.path.to_str().is_none() {
+        return Vec::new();
+    }
+    let path = folder.join(&scan.path);
+    let files = match scan.kind {
+        Kind::Scan => vec![path.clone()],
+        Kind::Photographs => input_files(&path).unwrap_or_default(),
+    };
+    let is_folder = scan.kind == Kind::Photographs && path.is_dir();
+    let relative = |name: &str| if is_folder { scan.path.join(name) } else { scan.path.with_file_name(name) };
+    let known = |file: &PathBuf| {
+        let file = InputFile::stat(file).ok()?;
+        Some(InputFile { path: relative(&file.name), ..file })
+    };
+    files.iter().map(known).collect::<Option<Vec<_>>>().unwrap_or_default()
 }
 
 fn due<'a>(todo: Todo, (folder, books): (&Path, &'a Books), retry: bool) -> Due<'a> {
@@ -133,7 +159,8 @@ fn due<'a>(todo: Todo, (folder, books): (&Path, &'a Books), retry: bool) -> Due<
     }
     let is_same = |last: &&Record| {
         (&last.settings, last.version.as_str()) == (&todo.settings_hash, VERSION)
-            && last.input.first().map(|file| &file.path) == Some(&todo.scan.path)
+            && last.source() == Some(&todo.scan.path)
+            && todo.input.iter().all(|file| last.input.iter().any(|known| known.path == file.path))
             && last.has_same_input(folder)
     };
     let Some(last) = last.filter(is_same) else { return Due::Making(Box::new(todo)) };
@@ -146,7 +173,7 @@ fn due<'a>(todo: Todo, (folder, books): (&Path, &'a Books), retry: bool) -> Due<
     if last.is_current() && last.require == todo.settings.require && last.title == todo.scan.title {
         return Due::Nothing(last);
     }
-    let object = last.part("asset").and_then(|part| books.store.object::<AssetObject>(&part.address));
+    let object = last.main().and_then(|part| books.store.object::<MainObject>(&part.address));
     match object {
         Some(object) => Due::Recording(Box::new(judged(last, &todo, &object))),
         None => Due::Making(Box::new(todo)),
@@ -159,6 +186,16 @@ fn unreadable(folder: &Path, scan: &Scan) -> Error {
         return Error::invalid(&scan.id, "its path is not UTF-8; rename the file or its folder");
     }
     let path = folder.join(&scan.path);
+    if scan.kind == Kind::Photographs && path.is_dir() {
+        return match input_files(&path) {
+            Err(error) => error,
+            Ok(files) if files.is_empty() => Error::invalid(
+                scan.path.display().to_string(),
+                "no photographs in the folder; add them, or remove its line from the list",
+            ),
+            Ok(_) => Error::invalid(scan.path.display().to_string(), "a file in the folder cannot be opened"),
+        };
+    }
     let cause = std::fs::metadata(&path).err().unwrap_or_else(|| ErrorKind::Other.into());
     if cause.kind() == ErrorKind::NotFound && path.is_symlink() {
         let link = format!("the link {}", scan.path.display());
@@ -169,8 +206,8 @@ fn unreadable(folder: &Path, scan: &Scan) -> Error {
 
 /// Returns the record of an asset that is judged again: its requirements, its title or the record version have
 /// changed.
-fn judged(last: &Record, todo: &Todo, object: &AssetObject) -> Record {
-    let required = object.figures.evaluate(&todo.settings.require);
+fn judged(last: &Record, todo: &Todo, object: &MainObject) -> Record {
+    let required = object.evaluate(&todo.settings.require);
     Record {
         schema: SCHEMA,
         attempt: last.attempt + 1,
@@ -179,7 +216,8 @@ fn judged(last: &Record, todo: &Todo, object: &AssetObject) -> Record {
         state: State::of(&required),
         require: todo.settings.require.clone(),
         required,
-        figures: Some(object.short()),
+        figures: object.figures(),
+        estimated: object.estimated(),
         seconds: 0.0,
         stages: Vec::new(),
         ..last.clone()
@@ -222,6 +260,7 @@ impl Books {
 
     /// Returns the record of an attempt that has ended.
     pub fn record(&self, todo: Todo, outcome: Outcome, took: Took) -> Record {
+        let is_photographs = todo.scan.kind == Kind::Photographs;
         let input = if outcome.input.is_empty() { todo.input } else { outcome.input };
         Record {
             schema: SCHEMA,
@@ -233,12 +272,14 @@ impl Books {
             state: outcome.state,
             error: outcome.error,
             title: todo.scan.title,
+            photographs: is_photographs.then_some(todo.scan.path),
             input,
             seconds: took.seconds,
             stages: outcome.stages,
             peak_bytes: outcome.peak_bytes,
             forecast_bytes: took.forecast,
             figures: outcome.figures,
+            estimated: outcome.estimated,
             require: todo.settings.require,
             required: outcome.required,
             warnings: outcome.warnings,

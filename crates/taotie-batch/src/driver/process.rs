@@ -1,7 +1,7 @@
 //! The process of an asset, as seen by its driver; and an asset made again by one, to compare it with the existing
 //! one.
 
-use crate::collection::Collection;
+use crate::collection::{Collection, Kind};
 use crate::job::{Go, Job, Message, Outcome};
 use crate::record::Record;
 use serde::Serialize;
@@ -185,12 +185,13 @@ pub fn remake(
     // Relative, since the folder of the collection may have a name that is not UTF-8, which JSON does not hold.
     let output = collection.relative_output().join(place.path().file_name().unwrap_or_default());
     let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    let scan = record.input.first().map(|file| file.path.clone()).unwrap_or_default();
+    let scan = record.source().map(Path::to_path_buf).unwrap_or_default();
+    let kind = if record.photographs.is_some() { Kind::Photographs } else { Kind::Scan };
     let job = Job {
         id: record.id.clone(),
         scan,
         output,
-        settings: collection.settings(&record.id)?,
+        settings: collection.settings(&record.id, kind)?,
         limits: Limits::default().or_free(),
         threads,
         reuse: false,

@@ -61,6 +61,7 @@ impl Remote {
         let mut books = Books::open(collection.output(), options.shard)?;
         let plan = Plan::of(collection, &found.scans, &books, options)?;
         let mut summary = Summary { known: plan.known, warnings: found.warnings, ..Summary::default() };
+        summary.warnings.absorb(collection.unused_options(&found.scans));
         for record in &plan.settled {
             books.add(record)?;
             summary.attempts += 1;
@@ -80,7 +81,7 @@ impl Remote {
                 reuse: true,
             },
             folder: folder.clone(),
-            reading: memory_to_read(todo.bytes),
+            reading: memory_to_read(todo.bytes_at_once()),
         };
         let planned = plan.todo.iter().map(planned).collect();
         let todo = plan.todo.into_iter().map(|todo| (todo.scan.id.clone(), todo)).collect();

@@ -3,10 +3,11 @@
 use super::plan::Todo;
 use super::process::Process;
 use crate::job::{Message, Outcome, peak_of};
+use crate::settings::Task;
 use std::process::ExitStatus;
 use std::time::{Duration, Instant};
 use taotie::Bytes;
-use taotie::asset::ScanSize;
+use taotie::asset::{BakeOptions, ScanSize};
 
 /// The phase of a process.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -43,7 +44,8 @@ pub struct Running {
     outcome: Option<Outcome>,
     /// The time limit that it has exceeded.
     exceeded: Option<Duration>,
-    triangles: u64,
+    /// Triangles of the scan, or samples of the photographs.
+    size: u64,
     /// The time it has worked, excluding the current phase.
     spent: Duration,
     since: Instant,
@@ -71,7 +73,7 @@ impl Running {
             stage: "start".into(),
             outcome: None,
             exceeded: None,
-            triangles: 0,
+            size: 0,
             spent: Duration::ZERO,
             since: start,
             patience,
@@ -79,11 +81,11 @@ impl Running {
     }
 
     /// Records the memory estimate; the time spent waiting for memory does not count.
-    pub fn wait_for_memory(&mut self, forecast: u64, triangles: u64) {
+    pub fn wait_for_memory(&mut self, forecast: u64, size: u64) {
         self.spent += self.since.elapsed();
         self.phase = Phase::Waiting;
         self.forecast = Some(forecast);
-        self.triangles = triangles;
+        self.size = size;
     }
 
     /// Handles a message of the process.
@@ -96,14 +98,12 @@ impl Running {
         }
     }
 
-    /// Returns a generous time limit for baking a scan of its size: a bake of a million triangles takes about ten
-    /// seconds on one core.
+    /// Returns a generous time limit for its work, from its size.
     pub fn patience_to_work(&self) -> Duration {
-        let searching = if self.todo.settings.searches() { 16 } else { 1 };
-        let largest = ScanSize { detail_side: u32::MAX, ..ScanSize::default() };
-        let texels = u64::from(self.todo.settings.asset.bake.sized(largest).size).pow(2) >> 20;
-        let rays = u64::from(self.todo.settings.asset.bake.ao_rays.max(64)) / 64;
-        Duration::from_secs(searching * (1200 + 180 * (self.triangles >> 20) + 60 * texels * rays))
+        match &self.todo.settings.task {
+            Task::Bake(asset) => patience_to_bake(&asset.bake, self.size),
+            Task::Photometric(_) => patience_to_estimate(self.size),
+        }
     }
 
     /// Returns the time left of a limit on the whole work.
@@ -139,6 +139,20 @@ impl Running {
     pub fn end(self) {
         self.process.end();
     }
+}
+
+/// A bake of a million triangles takes about ten seconds on one core.
+fn patience_to_bake(bake: &BakeOptions, triangles: u64) -> Duration {
+    let searching = if bake.searches() { 16 } else { 1 };
+    let largest = ScanSize { detail_side: u32::MAX, ..ScanSize::default() };
+    let texels = u64::from(bake.sized(largest).size).pow(2) >> 20;
+    let rays = u64::from(bake.ao_rays.max(64)) / 64;
+    Duration::from_secs(searching * (1200 + 180 * (triangles >> 20) + 60 * texels * rays))
+}
+
+/// An estimate from a million samples takes about a second on one core.
+fn patience_to_estimate(samples: u64) -> Duration {
+    Duration::from_secs(1200 + 20 * (samples >> 20))
 }
 
 /// Waits for the end of a process that has closed its stdout; returns the outcome of its job.

@@ -1,14 +1,16 @@
-//! The process of one asset: scan, bake, proof, files, pictures, page.
+//! The process of one object: scan, bake, proof, files, pictures, page; or photographs and their estimate.
 
 mod outputs;
+mod photographs;
 
 use crate::job::{Go, Job, Message, Outcome, bound_process, own_peak};
-use crate::record::{InputFile, Part, ShortFigures, Stage, State, read_input};
-use crate::store::{AssetObject, DerivedObject, Object, Store, address_of_asset, address_of_derived};
+use crate::record::{EstimateFigures, InputFile, Part, ShortFigures, Stage, State, read_input};
+use crate::settings::{AssetSettings, Task};
+use crate::store::{AssetObject, DerivedObject, Object, Store, address_of, address_of_derived};
 use outputs::Work;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::Serialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 use taotie::asset::{Baker, Requirement, RequirementOutcome, ScanFile};
@@ -17,6 +19,7 @@ use taotie_engine::{Error, Progress, Result};
 use taotie_io::FileSet;
 
 pub use outputs::Host;
+pub use photographs::Order;
 
 /// Does a job, reporting progress to the driver; returns the outcome. Paths are relative to the current folder.
 pub fn run(job: &Job, host: Host<'_>) -> Outcome {
@@ -36,6 +39,7 @@ pub fn run(job: &Job, host: Host<'_>) -> Outcome {
         input: made.input,
         stages: clock.done(),
         figures: made.figures,
+        estimated: made.estimated,
         required: made.required,
         warnings: made.warnings,
         parts: made.parts,
@@ -48,6 +52,7 @@ pub fn run(job: &Job, host: Host<'_>) -> Outcome {
 struct Made {
     input: Vec<InputFile>,
     figures: Option<ShortFigures>,
+    estimated: Option<EstimateFigures>,
     required: Vec<RequirementOutcome>,
     warnings: Vec<Warning>,
     parts: Vec<Part>,
@@ -55,73 +60,79 @@ struct Made {
 
 impl Work<'_> {
     fn make(&self, made: &mut Made) -> Result<()> {
-        let (job, settings) = (self.job, &self.job.settings);
+        match &self.job.settings.task {
+            Task::Bake(settings) => self.bake(settings, made),
+            Task::Photometric(settings) => self.estimate(settings, made),
+        }
+    }
+
+    fn bake(&self, settings: &AssetSettings, made: &mut Made) -> Result<()> {
+        let (job, require) = (self.job, &self.job.settings.require);
         let most = pool(job.threads)?;
         let file = most.install(|| ScanFile::read(&job.scan, &job.limits, self.progress))?;
-        let file = file.with_options(settings.asset.scan);
-        Requirement::check_unit(&settings.require, file.unit())?;
+        let file = file.with_options(settings.scan);
+        Requirement::check_unit(require, file.unit())?;
         self.progress.begin("hash")?;
-        made.input = read_input(file.files(), &settings.asset, &job.limits)?;
-        let at = address_of_asset(&settings.asset, &made.input);
+        made.input = read_input(file.files(), settings, &job.limits)?;
+        let at = address_of(&job.settings.task, &made.input);
         (self.host.send)(Message::Address { address: at.clone() });
         let known = self.store.object::<AssetObject>(&at).filter(|_| job.reuse);
         let reused = known.is_some();
         let (object, threads) = match known {
             Some(object) => (object, most),
             None => {
-                let threads = self.admitted(&most, &file)?;
-                (threads.install(|| outputs::asset(self, file, &at))?, threads)
+                let triangles = file.size().triangles;
+                let need = most.install(|| self.need(settings, &file));
+                let threads = self.admitted(format!("a bake of {triangles} triangles"), need, triangles)?;
+                (threads.install(|| outputs::asset(self, settings, file, &at))?, threads)
             }
         };
-        made.required = object.figures.evaluate(&settings.require);
+        made.required = object.figures.evaluate(require);
         made.figures = Some(object.short());
         made.warnings.clone_from(&object.warnings);
         let model = self.store.path(&at).join(&object.files[0].name);
         made.parts.push(object.into_part(at.clone(), reused));
-        threads.install(|| self.derive(&model, &at, made))
+        threads.install(|| self.derive(&Shown { model, normals: None }, &at, made))
     }
 
-    /// Estimates the memory of the work, and waits until that much is free; returns a pool of the threads it may use.
-    fn admitted(&self, most: &ThreadPool, file: &ScanFile) -> Result<ThreadPool> {
-        let triangles = file.size().triangles;
-        let need = most.install(|| self.need(file));
-        self.job.limits.check(format!("a bake of {triangles} triangles"), need)?;
-        (self.host.send)(Message::Forecast { bytes: need.0, triangles });
+    /// Waits until `need` is free for work on `what`, of `size` triangles or samples; returns a pool of the threads that it
+    /// may use.
+    fn admitted(&self, what: String, need: Bytes, size: u64) -> Result<ThreadPool> {
+        self.job.limits.check(what, need)?;
+        (self.host.send)(Message::Forecast { bytes: need.0, size });
         let Go { threads } = (self.host.go)();
         bound_process(need).map_err(|error| Error::invalid("the memory limit", error.to_string()))?;
         pool(threads)
     }
 
     /// Estimates the memory of the bake with its proof, and of everything derived from it: pages and pictures.
-    fn need(&self, file: &ScanFile) -> Bytes {
-        /// The fraction (one in …) for derived files and for what the allocator keeps between stages.
-        const BESIDE: u64 = 6;
-        let settings = &self.job.settings.asset;
+    fn need(&self, settings: &AssetSettings, file: &ScanFile) -> Bytes {
         let baker = Baker::new(settings.bake.clone());
         let proved = baker.need(file.size()).with_packing(&settings.packing).with_proof();
         let shown = self.job.settings.viewer.is_some();
-        let Bytes(bytes) =
-            if shown { proved.with_viewer(taotie_report::viewer::MOST_TEXTURE_SIDE) } else { proved }.bytes();
-        Bytes(bytes.saturating_add(bytes / BESIDE))
+        let need = if shown { proved.with_viewer(taotie_report::viewer::MOST_TEXTURE_SIDE) } else { proved };
+        with_derived(need.bytes())
     }
 
-    /// Makes the files that present the asset: pictures and a page.
-    fn derive(&self, model: &Path, asset: &str, made: &mut Made) -> Result<()> {
+    /// Makes the files that present the result: pictures and a page.
+    fn derive(&self, shown: &Shown, main: &str, made: &mut Made) -> Result<()> {
         let settings = &self.job.settings;
+        let model = shown.model.as_path();
         if let Some(thumbnail) = &settings.thumbnail {
-            let of = Derived { kind: "thumbnail", asset, ending: "webp" };
-            made.parts.push(self.derived(of, thumbnail, |path, files| {
-                outputs::thumbnail(model, (path, files), *thumbnail, self)
+            let of = Derived { kind: "thumbnail", main, ending: "webp" };
+            made.parts.push(self.derived(of, thumbnail, |path, files| match &shown.normals {
+                Some(normals) => photographs::thumbnail(normals, (path, files), *thumbnail, self),
+                None => outputs::thumbnail(model, (path, files), *thumbnail, self),
             })?);
         }
         if let Some(turntable) = &settings.turntable {
-            let of = Derived { kind: "turntable", asset, ending: "turn.png" };
+            let of = Derived { kind: "turntable", main, ending: "turn.png" };
             made.parts.push(self.derived(of, turntable, |path, files| {
                 outputs::turntable(model, (path, files), *turntable, self)
             })?);
         }
         if let Some(page) = &settings.viewer {
-            let of = Derived { kind: "viewer", asset, ending: "html" };
+            let of = Derived { kind: "viewer", main, ending: "html" };
             made.parts.push(
                 self.derived(of, page, |path, files| outputs::viewer_page(model, (path, files), self))?,
             );
@@ -136,7 +147,7 @@ impl Work<'_> {
         settings: &impl Serialize,
         write: impl FnOnce(&Path, &FileSet) -> Result<()>,
     ) -> Result<Part> {
-        let at = address_of_derived(of.kind, settings, of.asset);
+        let at = address_of_derived(of.kind, settings, of.main);
         if let Some(known) = self.store.object::<DerivedObject>(&at).filter(|_| self.job.reuse) {
             return Ok(known.into_part(at, true));
         }
@@ -152,14 +163,29 @@ impl Work<'_> {
     }
 }
 
-/// A file derived from an asset's own files.
+/// The files that pictures and pages are made from.
+struct Shown {
+    /// The asset, or the relief of photographs.
+    model: PathBuf,
+    /// The normals of photographs as a picture.
+    normals: Option<PathBuf>,
+}
+
+/// A file derived from the result of a task.
 #[derive(Clone, Copy)]
 struct Derived<'a> {
     kind: &'static str,
-    /// The asset's address.
-    asset: &'a str,
+    /// The address of the result.
+    main: &'a str,
     /// The suffix of its name.
     ending: &'static str,
+}
+
+/// Adds the memory of derived files, and of what the allocator keeps between stages.
+fn with_derived(Bytes(bytes): Bytes) -> Bytes {
+    /// Their fraction is one in …
+    const BESIDE: u64 = 6;
+    Bytes(bytes.saturating_add(bytes / BESIDE))
 }
 
 fn pool(threads: usize) -> Result<ThreadPool> {

@@ -1,13 +1,15 @@
 //! The outputs of a job in progress: the asset with its proof, its pictures, and the page that shows it in a browser.
 
+use super::photographs::Order;
 use crate::job::{Go, Job, Message};
-use crate::record::SCHEMA;
-use crate::settings::{Thumbnail, Turntable};
+use crate::record::{ASSET, EstimateFigures, SCHEMA};
+use crate::settings::{AssetSettings, Task, Thumbnail, Turntable};
 use crate::store::{AssetObject, Store, VERSION, entries};
 use std::path::{Path, PathBuf};
 use taotie::asset::{Baker, Certificate, Proof, Report, ScanFile, Signature, WrittenAsset};
 use taotie::studio::{self, MaterialOptions};
 use taotie::{Bytes, Limits, Picture, Progress, RenderSettings, Result, Scene};
+use taotie_engine::Warnings;
 use taotie_engine::image::{Encoding, Texels};
 use taotie_io::{AnimatedImage, AnimationFormat, AnimationSpec, FileSet, ImageCodec, LossyTexture};
 use taotie_report::bake_page;
@@ -22,6 +24,8 @@ pub struct Host<'a> {
     pub send: &'a (dyn Fn(Message) + Sync),
     /// Waits for the driver's permission to begin.
     pub go: &'a (dyn Fn() -> Go + Sync),
+    /// Estimates normals from photographs and adds all files to their set; notes warnings.
+    pub estimate: &'a (dyn Fn(&Order<'_>, &mut Warnings) -> Result<EstimateFigures> + Sync),
 }
 
 /// A job in progress.
@@ -37,9 +41,18 @@ pub struct Work<'a> {
 }
 
 impl Work<'_> {
-    /// Returns the name of the scan's file without its extension, the stem of all file names.
+    /// Returns the name of the scan's file, or of the folder or file of photographs.
+    pub fn name(&self) -> String {
+        let id = || self.job.id.rsplit('/').next().unwrap_or_default().into();
+        self.job.scan.file_name().map_or_else(id, |name| name.to_string_lossy().into_owned())
+    }
+
+    /// Returns the name of the scan's file without its extension, or of the folder of photographs: the stem of file names.
     pub fn stem(&self) -> String {
-        let stem = self.job.scan.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let name = self.name();
+        let is_folder = matches!(self.job.settings.task, Task::Photometric(_)) && self.job.scan.is_dir();
+        let stem = if is_folder { None } else { Path::new(&name).file_stem() };
+        let stem = stem.map_or(name.clone(), |stem| stem.to_string_lossy().into_owned());
         if stem.is_empty() { "asset".into() } else { stem }
     }
 
@@ -56,9 +69,13 @@ pub type Target<'a> = (&'a Path, &'a FileSet);
 ///
 /// # Errors
 /// Errors of any step; in that case no files are left behind.
-pub fn asset(work: &Work<'_>, file: ScanFile, address: &str) -> Result<AssetObject> {
+pub fn asset(
+    work: &Work<'_>,
+    settings: &AssetSettings,
+    file: ScanFile,
+    address: &str,
+) -> Result<AssetObject> {
     let (job, progress) = (work.job, work.progress);
-    let settings = &job.settings.asset;
     let files = (work.host.files)();
     let path = work.store.claim(address, &files)?.join(format!("{}.glb", work.stem()));
     files.protect(file.files())?;
@@ -80,7 +97,7 @@ pub fn asset(work: &Work<'_>, file: ScanFile, address: &str) -> Result<AssetObje
     progress.begin("commit")?;
     files.commit()?;
     let object = AssetObject {
-        kind: "asset".into(),
+        kind: ASSET.into(),
         schema: SCHEMA,
         version: VERSION.into(),
         triangles_in: report.high_triangles,
@@ -118,7 +135,7 @@ fn named(files: &[PathBuf]) -> Vec<(String, PathBuf)> {
 }
 
 /// The codec of thumbnails. Measured at 256²: 5 ms and 2.4 kB; lossless, 44 ms and 15 kB.
-const THUMBNAIL: ImageCodec = ImageCodec::LossyWebP(90);
+pub const THUMBNAIL: ImageCodec = ImageCodec::LossyWebP(90);
 
 /// Writes a picture of a model as lossy WebP.
 ///

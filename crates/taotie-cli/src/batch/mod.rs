@@ -28,11 +28,11 @@ Examples:
   taotie batch collection.toml --shard 3/8
   taotie batch collection.toml --check --proofs 5
 
-collection.toml specifies the scans and what to make from them: docs/collections.md. Finished assets are not made \
-again, so an interrupted run continues where it stopped. Exit codes: 0 all done, 1 a requirement is not met, 2 an \
+collection.toml specifies scans and folders of photographs, and what to make from them: docs/collections.md. Finished \
+assets are not made again, so an interrupted run continues where it stopped. Exit codes: 0 all done, 1 a requirement is not met, 2 an \
 asset failed or was refused.";
 
-/// Bakes a whole collection: each scan in its own process, and nothing twice.
+/// Bakes a collection, and estimates normals from its photographs: nothing twice.
 #[derive(Args)]
 #[command(before_help = EXAMPLES)]
 pub struct BatchArgs {
@@ -45,13 +45,13 @@ pub struct BatchArgs {
     /// Do only the I-th of N parts, for job arrays on a cluster: each writes its own manifest
     #[arg(long, value_name = "I/N", value_parser = shard, help_heading = "Work")]
     pub shard: Option<Shard>,
-    /// Bake nothing new: compare all written files with the manifest, and re-bake some assets
+    /// Make nothing new: compare all written files with the manifest, and make some assets again
     #[arg(long, conflicts_with_all = ["retry_failed", "shard", "page_only", "jobs", "time_limit", "memory_limit"], help_heading = "Work")]
     pub check: bool,
-    /// With --check: the number of assets to re-bake; their files must be identical bit for bit
+    /// With --check: the number of assets to make again; their files must be identical bit for bit
     #[arg(long, value_name = "N", default_value_t = 2, requires = "check", help_heading = "Work")]
     pub proofs: usize,
-    /// Bake nothing: write the collection's page with what is done
+    /// Make nothing: write the collection's page with what is done
     #[arg(long, conflicts_with_all = ["retry_failed", "shard"], help_heading = "Work")]
     pub page_only: bool,
 
@@ -257,7 +257,7 @@ fn print_audit(args: &BatchArgs, audit: &Audit) -> Result<()> {
         console::result(&format!("{id}: {what}"))?;
     }
     let count = faults.len();
-    console::result(&format!("{assets} assets: {files} files read, {proofs} re-baked, {count} faults"))
+    console::result(&format!("{assets} assets: {files} files read, {proofs} made again, {count} faults"))
 }
 
 /// The subcommand of [`keep`]; not for users.

@@ -1,6 +1,6 @@
-//! The process of one asset, started by the driver of a collection.
+//! The process of one object, started by the driver of a collection.
 
-use crate::stop;
+use crate::{photometric, stop};
 use anyhow::{Context, Result};
 use std::ffi::OsString;
 use std::io::{self, BufRead, Write};
@@ -46,7 +46,7 @@ pub fn run() -> Result<()> {
         let said = go.lock().unwrap_or_else(PoisonError::into_inner).recv();
         said.unwrap_or_else(|_| stop::wait())
     };
-    let host = Host { files: &stop::files, send: &send, go: &wait };
+    let host = Host { files: &stop::files, send: &send, go: &wait, estimate: &photometric::fill };
     let outcome = taotie_batch::work(&job, host);
     send(Message::Ended(Box::new(outcome)));
     Ok(())

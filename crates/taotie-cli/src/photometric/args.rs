@@ -6,7 +6,7 @@ use anyhow::{Result, bail};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use taotie_io::FileSet;
-use taotie_photometric::{Circle, PhotographSet, RelightFormat, Setup, Transfer};
+use taotie_photometric::{Circle, PhotographSet, PhotometricOptions, RelightFormat, Transfer};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -126,14 +126,16 @@ fn is_same(a: &Path, b: &Path) -> bool {
 }
 
 impl PhotometricArgs {
-    /// Returns the known properties of the photographs.
-    pub fn setup(&self) -> Setup {
-        Setup {
+    /// Returns the options that collections have too.
+    pub fn options(&self) -> PhotometricOptions {
+        PhotometricOptions {
+            mask: self.mask.clone(),
+            encoding: self.encoding,
             balls: self.balls.clone(),
             grey_ball: self.grey_ball,
+            flat: self.flat.clone(),
             pixel_size: self.pixel_size,
-            transfer: self.encoding,
-            limits: self.memory.limits(),
+            relight: self.relight.clone(),
         }
     }
 

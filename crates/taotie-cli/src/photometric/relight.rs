@@ -1,17 +1,15 @@
 //! Relightable images that `taotie photometric` writes in addition.
 
-use super::PhotometricArgs;
 use super::files::white;
+use super::order::Order;
 use crate::console::name_of;
 use anyhow::{Result, bail};
 use serde::Serialize;
 use std::path::PathBuf;
 use taotie_engine::Progress;
 use taotie_engine::names::Named;
-use taotie_io::{FileBytes, FileSet};
-use taotie_photometric::{
-    Basis, Coefficients, ColorReader, Estimate, PhotographSet, Quality, Reading, RelightFormat,
-};
+use taotie_io::FileBytes;
+use taotie_photometric::{Basis, Coefficients, ColorReader, Estimate, Quality, Reading, RelightFormat};
 
 /// The first file of each format.
 const FILES: [(RelightFormat, &str); 4] = [
@@ -44,50 +42,48 @@ pub fn file_of(format: RelightFormat) -> &'static str {
 }
 
 /// Rejects outputs that cannot be written, and inputs that relightable images cannot be made from.
-pub fn claim(args: &PhotometricArgs, files: &FileSet, set: &PhotographSet) -> Result<()> {
-    let Some(first) = args.relight.first() else { return Ok(()) };
-    if set.relightable.is_some() {
-        bail!("--relight {}: {} is relightable already", first.name(), args.input.display());
+pub fn claim(order: &Order<'_>) -> Result<()> {
+    let Some(first) = order.options.relight.first() else { return Ok(()) };
+    if order.set.relightable.is_some() {
+        bail!("--relight {}: {} is relightable already", first.name(), order.input);
     }
-    for format in &args.relight {
-        let path = args.path(file_of(*format));
+    for format in &order.options.relight {
+        let path = order.path(file_of(*format));
         if *format == RelightFormat::Web {
-            files.claim_folder(&folder_of(args))?;
+            order.files.claim_folder(&folder_of(order))?;
         }
-        files.claim(&path)?;
+        order.files.claim(&path)?;
     }
     Ok(())
 }
 
-fn folder_of(args: &PhotometricArgs) -> PathBuf {
-    args.path("openlime")
+fn folder_of(order: &Order<'_>) -> PathBuf {
+    order.path("openlime")
 }
 
 /// Photographs to write relightable images of.
 pub struct Relighting<'a> {
-    /// The options.
-    pub args: &'a PhotometricArgs,
-    /// The set that the files belong to.
-    pub files: &'a FileSet,
-    /// The photographs.
-    pub set: &'a PhotographSet,
+    /// The photographs, the formats, and where to write.
+    pub order: &'a Order<'a>,
     /// How to read them.
     pub reading: &'a Reading<'a>,
 }
 
 impl Relighting<'_> {
     /// Fits and writes all formats that are asked for.
-    pub fn write(&self, estimate: &Estimate, progress: Progress<'_>) -> Result<Vec<RelightReport>> {
-        let Self { args, files, set, reading } = *self;
-        if args.relight.is_empty() {
+    pub fn write(&self, estimate: &Estimate) -> Result<Vec<RelightReport>> {
+        let Self { order, reading } = *self;
+        let Order { set, files, .. } = order;
+        let formats = &order.options.relight;
+        if formats.is_empty() {
             return Ok(Vec::new());
         }
-        let progress = progress.begin("relight")?;
+        let progress = order.progress.begin("relight")?;
         let photographs = ColorReader::new(set, reading, white(estimate))?;
         let mut fitted: Option<(Basis, Coefficients)> = None;
         let mut reports = Vec::new();
-        let count = args.relight.len() as f64;
-        for (i, format) in args.relight.iter().enumerate() {
+        let count = formats.len() as f64;
+        for (i, format) in formats.iter().enumerate() {
             let part = |from: f64, to: f64| progress.part((i as f64 + from) / count, (i as f64 + to) / count);
             let basis = format.basis(set.photographs.len());
             let coefficients = match fitted.take() {
@@ -97,8 +93,8 @@ impl Relighting<'_> {
             let image = coefficients.stored(format.colors());
             fitted = Some((basis, coefficients));
             let path = match format {
-                RelightFormat::Web => folder_of(args),
-                _ => args.path(file_of(*format)),
+                RelightFormat::Web => folder_of(order),
+                _ => order.path(file_of(*format)),
             };
             let written: Vec<FileBytes> = format.files(&image, &path)?;
             let image = format.held(image, &written)?;

@@ -1,7 +1,7 @@
 //! The report of `taotie photometric`: as JSON, and as text.
 
-use super::PhotometricArgs;
 use super::args::{ANCHORED, OUTPUTS};
+use super::order::Order;
 use super::relight::RelightReport;
 use crate::console::name_of;
 use serde::Serialize;
@@ -11,9 +11,7 @@ use taotie::asset::StageTime;
 use taotie_engine::compare::{Summary, angular_error};
 use taotie_engine::math::Vec3;
 use taotie_engine::names::Named;
-use taotie_photometric::{
-    Anchoring, Coverage, Estimate, Estimator, Outline, PhotographSet, RegionFinish, Samples,
-};
+use taotie_photometric::{Anchoring, Coverage, Estimate, Estimator, Outline, RegionFinish, Samples};
 use taotie_report::table::summary_text;
 
 /// Version of the JSON.
@@ -28,9 +26,9 @@ pub struct Report {
     pub schema: u32,
     /// Version of the program.
     pub version: &'static str,
-    /// The folder or `.lp` file, as given.
+    /// The folder or `.lp` file, as given; in a collection, names of files are without folders.
     pub input: String,
-    /// The folder of the written files.
+    /// The folder of the written files; `.` in a collection.
     pub output: String,
     /// The file that states the lights.
     pub lights_from: String,
@@ -126,7 +124,8 @@ fn ball(outline: &Outline) -> [f64; 4] {
 
 impl Report {
     /// Describes an estimate.
-    pub fn new(args: &PhotometricArgs, set: &PhotographSet, samples: &Samples, estimate: &Estimate) -> Self {
+    pub fn new(order: &Order<'_>, samples: &Samples, estimate: &Estimate) -> Self {
+        let Order { set, options, .. } = order;
         let between = |a, b| angular_error(&estimate.normals(a), &estimate.normals(b)).ok()?.summary();
         let lights = set.photographs.iter().zip(&estimate.lights);
         let photograph =
@@ -144,15 +143,15 @@ impl Report {
         Self {
             schema: SCHEMA,
             version: env!("CARGO_PKG_VERSION"),
-            input: args.input.display().to_string(),
-            output: args.output.display().to_string(),
-            lights_from: set.lights.display().to_string(),
+            input: order.input.clone(),
+            output: if order.is_portable { ".".into() } else { order.output.display().to_string() },
+            lights_from: order.shown(&set.lights),
             layout: set.layout,
             balls: set.chrome.iter().flat_map(|chrome| &chrome.outlines).map(ball).collect(),
             ball_residual: set.chrome.as_ref().and_then(|chrome| chrome.residual_deg),
             exponent: estimate.exponent,
-            pixel_size: args.pixel_size,
-            mask: set.mask_or(args.mask.as_deref()).map(|path| path.display().to_string()),
+            pixel_size: options.pixel_size,
+            mask: set.mask_or(options.mask.as_deref()).map(|path| order.shown(path)),
             size: [samples.width, samples.height],
             bits: samples.bits,
             encoding: samples.transfer.name(),

@@ -2,6 +2,7 @@
 
 use super::PhotometricArgs;
 use super::args::ANCHORED;
+use super::order::Order;
 use anyhow::Result;
 use taotie_engine::Warnings;
 use taotie_engine::image::Encoding;
@@ -30,7 +31,7 @@ impl Scan {
     pub fn anchor(
         &self,
         relief: &mut Relief,
-        (args, files): (&PhotometricArgs, &FileSet),
+        order: &Order<'_>,
         warnings: &mut Warnings,
     ) -> Result<Anchoring> {
         let [width, height] = [relief.grid.width as u32, relief.grid.height as u32];
@@ -45,7 +46,7 @@ impl Scan {
         reliable.for_each(|(pixel, _)| mask[*pixel as usize] = 255);
         let (color, samples) = (PngColor::Grey, PngSamples::U8(&mask));
         let image = PngImage { width, height, color, samples, encoding: Encoding::Linear };
-        files.write_png(&args.path(ANCHORED), &image)?;
+        order.files.write_png(&order.path(ANCHORED), &image)?;
         Ok(anchoring)
     }
 }

@@ -2,11 +2,13 @@
 
 use crate::balls::{Ball, SCAN};
 use crate::files::all_files_below;
+use crate::photographed::{LIGHTS, photograph};
 use crate::schemas;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
+use std::sync::OnceLock;
 use tempfile::TempDir;
 
 /// The options for balls, baked quickly.
@@ -51,6 +53,38 @@ impl Collection {
             collection.write(&format!("scans/ball{index}.obj"), ball(0.01 + 0.002 * index as f64));
         }
         collection
+    }
+
+    /// Creates a collection of a ball and two folders of photographs, `coins/a` and `coins/b`.
+    pub fn of_photographs() -> Self {
+        let collection = Self::of_balls(1);
+        std::fs::create_dir(collection.path("scans/coins")).expect("it is new");
+        collection.photograph("scans/coins/a");
+        collection.photograph("scans/coins/b");
+        // Without the last one, its result is another.
+        let lp = std::fs::read_to_string(collection.path("scans/coins/b/dome.lp")).expect("it was written");
+        let kept = lp.lines().take(LIGHTS).skip(1);
+        let lp = format!("{}\n{}\n", LIGHTS - 1, kept.collect::<Vec<_>>().join("\n"));
+        collection.write("scans/coins/b/dome.lp", lp);
+        std::fs::remove_file(collection.path(&format!("scans/coins/b/p{}.exr", LIGHTS - 1)))
+            .expect("it exists");
+        collection
+    }
+
+    /// Creates a folder of photographs.
+    pub fn photograph(&self, name: &str) {
+        static FOLDER: OnceLock<TempDir> = OnceLock::new();
+        let folder = FOLDER.get_or_init(|| {
+            let folder = tempfile::tempdir().expect("temporary folders can be made");
+            photograph(folder.path());
+            std::fs::remove_file(folder.path().join("waves.obj")).expect("it was written");
+            folder
+        });
+        std::fs::create_dir(self.path(name)).expect("it is new");
+        for path in all_files_below(folder.path()) {
+            let target = self.path(name).join(path.file_name().expect("it is a file"));
+            std::fs::copy(path, target).expect("it can be written");
+        }
     }
 
     /// Rewrites `collection.toml`.

@@ -19,7 +19,11 @@ fn what_is_wrong_is_told_with_its_line() {
     let source = "[[source]]\nfolder = \"scans\"\n";
     assert_told("", 1, "source");
     assert_told("source = []", 1, "at least one [[source]]");
-    assert_told("[[source]]\nfolder = \"a\"\nglob = \"*\"\n", 1, "one of `folder`, `glob` and `list`");
+    assert_told(
+        "[[source]]\nfolder = \"a\"\nglob = \"*\"\n",
+        1,
+        "one of `folder`, `photographs`, `glob` and `list`",
+    );
     assert_told("[[source]]\nglob = \"***\"\n", 1, "glob: ");
     assert_told(
         &format!("{source}[bake]\ntriangels = 5\n"),
@@ -41,6 +45,18 @@ fn what_is_wrong_is_told_with_its_line() {
     );
     assert_told(&format!("{source}[scan]\nunit = \"ft\"\n"), 4, "unknown variant `ft`");
     assert_told(&format!("{source}[scan]\ncrease_angle_deg = 181\n"), 4, "between 0 and 180 degrees");
+    assert_told(
+        &format!("{source}[photometric]\ntruth = \"n.exr\"\n"),
+        4,
+        "unknown key `truth` in [photometric]; expected one of balls, encoding, flat, ",
+    );
+    assert_told(
+        &format!("{source}[photometric]\nencoding = \"gamma\"\n"),
+        4,
+        "expected one of: auto, linear",
+    );
+    assert_told(&format!("{source}[photometric]\nballs = [[9, 9, 2]]\n"), 4, "at least 8 pixels");
+    assert_told(&format!("{source}[photometric]\npixel_size = 0\n"), 4, "use a number above 0");
     assert_told(&format!("{source}[thumbnail]\nsize = 4\n"), 1, "thumbnail: a size of 4");
     assert_told(&format!("{source}[thumbnail]\nwidth = 4\n"), 3, "width");
     assert_told(&format!("require = [\n\"mean-angle=2\",\n\"beauty=1\"]\n{source}"), 3, "beauty");

@@ -146,12 +146,12 @@ fn a_torn_line_is_passed_over() {
 
 /// Kills driver and processes at random moments until all is done; the result then is that of an undisturbed run.
 #[cfg(target_os = "linux")]
-fn kill(rounds: usize) {
-    let undisturbed = Collection::of_balls(4);
+fn kill(rounds: usize, (make, count): (fn() -> Collection, usize)) {
+    let undisturbed = make();
     undisturbed.report("");
     let (truth, mut kills) = (undisturbed.objects(), 0);
     let mut random = fastrand::Rng::with_seed(20);
-    let mut collection = Collection::of_balls(4);
+    let mut collection = make();
     while kills < rounds {
         let (mut driver, _) = begin(&collection);
         std::thread::sleep(Duration::from_millis(random.u64(0..900)));
@@ -165,9 +165,9 @@ fn kill(rounds: usize) {
         }
         driver.wait().expect("it ends");
         wait_for_end(&processes);
-        if collection.is_complete(4) {
+        if collection.is_complete(count) {
             assert_same(&collection, &truth);
-            collection = Collection::of_balls(4);
+            collection = make();
         }
     }
     assert_same(&collection, &truth);
@@ -183,14 +183,20 @@ fn assert_same(collection: &Collection, truth: &Files) {
 #[cfg(target_os = "linux")]
 #[test]
 fn whatever_is_killed_the_files_are_those_of_an_undisturbed_run() {
-    kill(4);
+    kill(4, (|| Collection::of_balls(4), 4));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn photographs_are_the_same_whatever_is_killed() {
+    kill(4, (Collection::of_photographs, 3));
 }
 
 #[cfg(target_os = "linux")]
 #[test]
 #[ignore = "takes minutes"]
 fn whatever_is_killed_fifty_times_the_files_are_those_of_an_undisturbed_run() {
-    kill(50);
+    kill(50, (|| Collection::of_balls(4), 4));
 }
 
 /// Truncates files written since then, like a disk that loses power before writing what it acknowledged.

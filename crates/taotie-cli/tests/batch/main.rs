@@ -9,6 +9,8 @@ mod common;
 #[allow(dead_code)]
 #[path = "../../../../tests/common/files.rs"]
 mod files;
+#[path = "../cli/photographs.rs"]
+mod photographed;
 #[allow(dead_code)]
 #[path = "../../../../tests/common/schemas.rs"]
 mod schemas;
@@ -21,5 +23,6 @@ mod ended;
 #[cfg(unix)]
 mod found;
 mod page;
+mod photographs;
 mod shared_scans;
 mod worked;

@@ -40,6 +40,7 @@ mod models;
 mod motion;
 mod normals;
 mod packed;
+mod photographs;
 mod photometric;
 mod pictures;
 mod place;

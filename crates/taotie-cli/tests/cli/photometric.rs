@@ -1,45 +1,14 @@
 //! `taotie photometric`, on photographs that `taotie render` makes.
 
+use super::photographs::{LIGHTS, photograph, waves};
 use super::place::Place;
 use super::schemas;
 use serde_json::Value;
 
-const LIGHTS: usize = 12;
-
-/// Returns a wavy sheet as OBJ.
-fn waves() -> String {
-    const SIDE: usize = 40;
-    let mut obj = String::new();
-    for i in 0..SIDE * SIDE {
-        let [x, y] = [i % SIDE, i / SIDE].map(|v| 2.0 * v as f64 / (SIDE - 1) as f64 - 1.0);
-        let z = 0.06 * (libm::sin(5.0 * x) + libm::sin(4.0 * y + 1.0));
-        obj += &format!("v {x:.5} {y:.5} {z:.5}\n");
-    }
-    for (x, y) in (0..SIDE - 1).flat_map(|y| (0..SIDE - 1).map(move |x| (x, y))) {
-        let corner = y * SIDE + x + 1;
-        obj += &format!("f {} {} {} {}\n", corner, corner + 1, corner + SIDE + 1, corner + SIDE);
-    }
-    obj
-}
-
-/// Photographs the sheet from the front, each with its light, and writes `dome.lp` with decimal commas.
+/// Photographs the sheet from the front, and writes its true normals.
 fn photographed() -> Place {
-    let place = Place::with("waves.obj", waves());
-    let mut lp = format!("{LIGHTS}\r\n");
-    for k in 0..LIGHTS {
-        let (azimuth, elevation) = (60.0 * libm::sin(k as f64 * 2.4), 50.0 * libm::cos(k as f64 * 2.4));
-        let [a, e] = [azimuth, elevation].map(f64::to_radians);
-        let light = [libm::sin(a) * libm::cos(e), libm::sin(e), libm::cos(a) * libm::cos(e)];
-        let light = light.map(|v| format!("{v:.6}").replace('.', ","));
-        lp += &format!("D:\\dome\\P{k}.EXR {}\r\n", light.join(" "));
-        let direction = format!("directional from={azimuth},{elevation} strength=2");
-        let output = format!("p{k}.exr");
-        let mut arguments = vec!["render", "waves.obj", "--light", &direction, "-o", &output];
-        arguments
-            .extend("--shading lambert --env none --orbit 0,0 --fov-deg 3 --size 64 --shadows".split(' '));
-        place.taotie_with(&arguments).assert().success();
-    }
-    place.write("dome.lp", lp);
+    let place = Place::new();
+    photograph(&place.path(""));
     let truth = "render waves.obj -o truth.png --aov normals --env none --orbit 0,0 --fov-deg 3 --size 64";
     place.taotie(truth).assert().success();
     std::fs::rename(place.path("truth.normals.exr"), place.path("normals.exr")).expect("it was written");

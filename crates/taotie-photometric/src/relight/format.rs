@@ -3,13 +3,15 @@
 use super::basis::Basis;
 use super::image::{ColorModel, Relightable};
 use super::{ptm, rti, web};
+use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
-use taotie_engine::error::Result;
+use taotie_engine::error::{Error, Result};
 use taotie_engine::names::Named;
 use taotie_io::{Bytes, FileBytes, Limits, file_size, read_bytes};
 
 /// A kind of file for relightable images.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "&'static str")]
 pub enum RelightFormat {
     /// A polynomial texture map of a colour and a brightness.
     Ptm,
@@ -25,6 +27,20 @@ impl Named for RelightFormat {
     const WHAT: &'static str = "relightable format";
     const NAMES: &'static [(&'static str, Self)] =
         &[("ptm", Self::Ptm), ("ptm-rgb", Self::PtmRgb), ("rti", Self::Rti), ("openlime", Self::Web)];
+}
+
+impl TryFrom<String> for RelightFormat {
+    type Error = Error;
+
+    fn try_from(name: String) -> Result<Self> {
+        Self::from_name(&name)
+    }
+}
+
+impl From<RelightFormat> for &'static str {
+    fn from(format: RelightFormat) -> Self {
+        format.name()
+    }
 }
 
 impl RelightFormat {

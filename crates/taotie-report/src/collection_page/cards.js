@@ -48,9 +48,9 @@ function warningsOf(asset) {
 function linksOf(asset) {
   const links = [
     ["view", asset.viewer],
-    ["proof", asset.report],
+    [asset.photographs === undefined ? "proof" : "report", asset.report],
     ["turntable", asset.turntable],
-    ["model", asset.model],
+    [asset.photographs === undefined ? "model" : "relief", asset.model],
   ];
   const present = links.filter(([, address]) => address !== undefined);
   return present.map(([text, address]) => el("a", { href: address ?? "", "aria-label": `${text}: ${nameOf(asset)}` }, text ?? ""));
@@ -74,7 +74,7 @@ function plateOf(asset) {
  * @param {string} key The figure by which the cards are sorted.
  */
 function cardOf(asset, key) {
-  const shown = FIGURES.filter((figure) => figure.key === key || ["mean", "shape", "color", "bytes"].includes(figure.key));
+  const shown = FIGURES.filter((figure) => figure.key === key || ["mean", "sigma", "photographs", "shape", "color", "bytes"].includes(figure.key));
   const facts = shown.flatMap((figure) => {
     const value = figure.of(asset);
     if (value === undefined) return [];

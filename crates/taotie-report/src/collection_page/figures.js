@@ -6,7 +6,7 @@
  * @typedef {{
  *   id: string, title?: string, state: string, error?: string, unmet?: string[], warnings?: string[],
  *   thumbnail?: string, turntable?: string, viewer?: string, report?: string, model?: string,
- *   triangles_in?: number, triangles?: number, bytes_in?: number, bytes_out?: number, mean_angle?: number,
+ *   photographs?: number, sigma?: number, p95_sigma?: number, triangles_in?: number, triangles?: number, bytes_in?: number, bytes_out?: number, mean_angle?: number,
  *   p95_angle?: number, max_angle?: number, mean_color?: number, hausdorff?: number, missed?: number,
  *   seconds?: number, peak_bytes?: number
  * }} Asset
@@ -39,12 +39,15 @@ const FIGURES = [
   { name: "normal error, overview, mean", key: "mean", of: (asset) => asset.mean_angle, text: degrees },
   { name: "normal error, overview, 95\u202f%", key: "p95", of: (asset) => asset.p95_angle, text: degrees },
   { name: "normal error, overview, largest sampled", key: "max", of: (asset) => asset.max_angle, text: degrees },
+  { name: "uncertainty of normals, median", key: "sigma", of: (asset) => asset.sigma, text: degrees },
+  { name: "uncertainty of normals, 95\u202f%", key: "sigma95", of: (asset) => asset.p95_sigma, text: degrees },
   { name: "colour error, overview, mean", key: "color", of: (asset) => asset.mean_color, text: (value) => written(value, 2) + "\u202fΔE" },
   { name: "largest distance (Hausdorff), bound", key: "shape", of: (asset) => asset.hausdorff, text: percent },
   { name: "missed, close-up", key: "missed", of: (asset) => asset.missed, text: percent },
   { name: "size of the asset", key: "bytes", of: (asset) => asset.bytes_out, text: bytes },
-  { name: "size of the scan", key: "scan", of: (asset) => asset.bytes_in, text: bytes },
+  { name: "size of the scan or photographs", key: "scan", of: (asset) => asset.bytes_in, text: bytes },
   { name: "triangles of the scan", key: "triangles", of: (asset) => asset.triangles_in, text: (value) => written(value, 0) },
+  { name: "photographs", key: "photographs", of: (asset) => asset.photographs, text: (value) => written(value, 0) },
   { name: "time", key: "time", of: (asset) => asset.seconds, text: time },
   { name: "memory", key: "memory", of: (asset) => asset.peak_bytes, text: bytes },
 ];
@@ -77,8 +80,10 @@ function ordered(assets, key, down) {
   const sign = down ? -1 : 1;
   if (key === "name") return [...assets].sort((a, b) => sign * byName(a, b));
   const figure = FIGURES.find((figure) => figure.key === key);
+  // An error for scans, an uncertainty for photographs.
+  const angle = (/** @type {Asset} */ asset) => asset.mean_angle ?? asset.sigma ?? -1;
   const worst = (/** @type {Asset} */ a, /** @type {Asset} */ b) =>
-    badness(a) - badness(b) || (b.mean_angle ?? -1) - (a.mean_angle ?? -1) || byName(a, b);
+    badness(a) - badness(b) || angle(b) - angle(a) || byName(a, b);
   if (!figure) return [...assets].sort((a, b) => (down ? worst(a, b) : worst(b, a)));
   return [...assets].sort((a, b) => {
     const [first, second] = [figure.of(a), figure.of(b)];

@@ -11,14 +11,27 @@ function factsOf(assets) {
   const made = assets.filter((asset) => asset.bytes_out !== undefined);
   const sum = (/** @type {(asset: Asset) => number | undefined} */ of) => made.reduce((all, asset) => all + (of(asset) ?? 0), 0);
   const angles = made.flatMap((asset) => (asset.mean_angle === undefined ? [] : [asset.mean_angle])).sort((a, b) => a - b);
+  const sigmas = made.flatMap((asset) => (asset.sigma === undefined ? [] : [asset.sigma])).sort((a, b) => a - b);
   const facts = [
     ["Assets", written(assets.length, 0)],
-    ["Size of the scans", bytes(sum((asset) => asset.bytes_in))],
-    ["Size of the assets", bytes(sum((asset) => asset.bytes_out))],
+    ["Size of the input", bytes(sum((asset) => asset.bytes_in))],
+    ["Size of the output", bytes(sum((asset) => asset.bytes_out))],
     ...(angles.length ? [["Mean normal error, median", degrees(angles[angles.length >> 1] ?? 0)]] : []),
+    ...(sigmas.length ? [["Uncertainty of normals from photographs, median", degrees(sigmas[sigmas.length >> 1] ?? 0)]] : []),
     ["Total processing time", time(assets.reduce((all, asset) => all + (asset.seconds ?? 0), 0))],
   ];
   return el("dl", {}, ...facts.map(([name, value]) => el("div", {}, el("dt", {}, name ?? ""), el("dd", {}, value ?? ""))));
+}
+
+/**
+ * @param {Asset[]} assets
+ */
+function subtitleOf(assets) {
+  const count = assets.filter((asset) => asset.photographs !== undefined).length;
+  const scans = "Scans and the low-poly assets baked from them";
+  const photographs = "photographs under changing light and the normals estimated from them";
+  if (!count) return scans;
+  return count === assets.length ? photographs.replace("p", "P") : `${scans}; ${photographs}`;
 }
 
 /**
@@ -92,7 +105,7 @@ function galleryOf({ title, version, assets }) {
   const tools = toolsOf(assets, choice, changed);
   show();
   return [
-    el("header", { class: "head" }, el("h1", {}, title), ...note("subtitle", "Scans and the low-poly assets baked from them"), factsOf(assets)),
+    el("header", { class: "head" }, el("h1", {}, title), ...note("subtitle", subtitleOf(assets)), factsOf(assets)),
     tools,
     place,
     end,

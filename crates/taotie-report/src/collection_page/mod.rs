@@ -82,22 +82,31 @@ pub struct Entry {
     /// Its viewer page.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub viewer: Option<String>,
-    /// The report page of its proof.
+    /// The report page of its proof or estimate.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub report: Option<String>,
-    /// Its model file.
+    /// Its model file; the relief of photographs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub model: Option<String>,
+    /// The number of photographs; `None` for a scan.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub photographs: Option<usize>,
+    /// Median uncertainty of normals from photographs, degrees.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sigma: Option<f64>,
+    /// Its 95th percentile.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub p95_sigma: Option<f64>,
     /// The number of triangles of the scan.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub triangles_in: Option<usize>,
     /// The number of triangles of the finest level.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub triangles: Option<usize>,
-    /// The size of the scan, bytes.
+    /// The size of the scan, or of the photographs, bytes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bytes_in: Option<u64>,
-    /// The size of the asset, bytes.
+    /// The size of the asset, or of all files made from photographs, bytes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bytes_out: Option<u64>,
     /// Mean normal error, degrees.
