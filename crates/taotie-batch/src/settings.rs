@@ -34,7 +34,7 @@ pub enum Task {
 /// Everything that the files of an estimate depend on in addition to the photographs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PhotometricSettings {
-    /// What is known about the photographs, and what to write.
+    /// The options of the estimate.
     pub options: PhotometricOptions,
     /// `true` to write the figures as a page too.
     pub report: bool,

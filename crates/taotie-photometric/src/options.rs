@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use taotie_engine::error::{Error, Result};
 use taotie_io::Limits;
 
-/// What is known about photographs, and what to write in addition to normals.
+/// Known facts about photographs, and the files to write in addition to normals.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct PhotometricOptions {
@@ -47,7 +47,7 @@ impl PhotometricOptions {
         }
     }
 
-    /// Returns what is known before photographs are read.
+    /// Returns the facts that are known before photographs are read.
     pub fn setup(&self, limits: Limits) -> Setup {
         Setup {
             balls: self.balls.clone(),

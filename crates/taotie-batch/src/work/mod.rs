@@ -4,10 +4,15 @@ mod outputs;
 mod photographs;
 
 use crate::job::{Go, Job, Message, Outcome, bound_process, own_peak};
-use crate::record::{EstimateFigures, InputFile, Part, ShortFigures, Stage, State, read_input};
-use crate::settings::{AssetSettings, Task};
-use crate::store::{AssetObject, DerivedObject, Object, Store, address_of, address_of_derived};
+use crate::record::{
+    EstimateFigures, InputFile, Part, ShortFigures, Stage, State, read_input, read_photographs,
+};
+use crate::settings::{AssetSettings, PhotometricSettings, Task};
+use crate::store::{
+    AssetObject, DerivedObject, EstimateObject, Object, Store, address_of, address_of_derived,
+};
 use outputs::Work;
+use photographs::Photographs;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -15,11 +20,11 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 use taotie::asset::{Baker, Requirement, RequirementOutcome, ScanFile};
 use taotie::{Bytes, Warning};
-use taotie_engine::{Error, Progress, Result};
+use taotie_engine::{Error, Progress, Result, Warnings};
 use taotie_io::FileSet;
+use taotie_photometric::{PhotographSet, Samples};
 
-pub use outputs::Host;
-pub use photographs::Order;
+pub use outputs::{Host, Order};
 
 /// Does a job, reporting progress to the driver; returns the outcome. Paths are relative to the current folder.
 pub fn run(job: &Job, host: Host<'_>) -> Outcome {
@@ -93,6 +98,38 @@ impl Work<'_> {
         let model = self.store.path(&at).join(&object.files[0].name);
         made.parts.push(object.into_part(at.clone(), reused));
         threads.install(|| self.derive(&Shown { model, normals: None }, &at, made))
+    }
+
+    /// Estimates normals from photographs, unless the same estimate exists.
+    fn estimate(&self, settings: &PhotometricSettings, made: &mut Made) -> Result<()> {
+        let job = self.job;
+        self.progress.begin("hash")?;
+        made.input = read_photographs(&job.scan, &self.name(), settings)?;
+        let at = address_of(&job.settings.task, &made.input);
+        (self.host.send)(Message::Address { address: at.clone() });
+        let known = self.store.object::<EstimateObject>(&at).filter(|_| job.reuse);
+        let reused = known.is_some();
+        let most = pool(job.threads)?;
+        let (object, threads) = match known {
+            Some(object) => (object, most),
+            None => {
+                let mut warnings = Warnings::default();
+                let setup = settings.options.setup(job.limits);
+                let open = || PhotographSet::open_with(&job.scan, &setup, &mut warnings, self.progress);
+                let set = most.install(open)?;
+                let (need, samples) = Samples::need(&set, &settings.options.reading(job.limits))?;
+                let what = format!("an estimate from {} photographs", set.photographs.len());
+                let threads = self.admitted(what, with_derived(need), samples)?;
+                let input = &made.input;
+                let photographs = Photographs { set: &set, settings, input, warnings };
+                (threads.install(|| photographs::estimate(self, photographs, &at))?, threads)
+            }
+        };
+        made.estimated = Some(object.estimated.clone());
+        made.warnings.clone_from(&object.warnings);
+        made.parts.push(object.into_part(at.clone(), reused));
+        let [model, normals] = ["relief.glb", "normals.png"].map(|name| self.store.path(&at).join(name));
+        threads.install(|| self.derive(&Shown { model, normals: Some(normals) }, &at, made))
     }
 
     /// Waits until `need` is free for work on `what`, of `size` triangles or samples; returns a pool of the threads that it

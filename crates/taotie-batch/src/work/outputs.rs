@@ -1,9 +1,8 @@
 //! The outputs of a job in progress: the asset with its proof, its pictures, and the page that shows it in a browser.
 
-use super::photographs::Order;
 use crate::job::{Go, Job, Message};
 use crate::record::{ASSET, EstimateFigures, SCHEMA};
-use crate::settings::{AssetSettings, Task, Thumbnail, Turntable};
+use crate::settings::{AssetSettings, PhotometricSettings, Task, Thumbnail, Turntable};
 use crate::store::{AssetObject, Store, VERSION, entries};
 use std::path::{Path, PathBuf};
 use taotie::asset::{Baker, Certificate, Proof, Report, ScanFile, Signature, WrittenAsset};
@@ -12,6 +11,7 @@ use taotie::{Bytes, Limits, Picture, Progress, RenderSettings, Result, Scene};
 use taotie_engine::Warnings;
 use taotie_engine::image::{Encoding, Texels};
 use taotie_io::{AnimatedImage, AnimationFormat, AnimationSpec, FileSet, ImageCodec, LossyTexture};
+use taotie_photometric::PhotographSet;
 use taotie_report::bake_page;
 use taotie_report::viewer::{AssetSubject, Staging};
 
@@ -26,6 +26,24 @@ pub struct Host<'a> {
     pub go: &'a (dyn Fn() -> Go + Sync),
     /// Estimates normals from photographs and adds all files to their set; notes warnings.
     pub estimate: &'a (dyn Fn(&Order<'_>, &mut Warnings) -> Result<EstimateFigures> + Sync),
+}
+
+/// An estimate that the host makes.
+pub struct Order<'a> {
+    /// The name of the folder or file.
+    pub name: &'a str,
+    /// The photographs.
+    pub set: &'a PhotographSet,
+    /// The options, and whether a page is written.
+    pub settings: &'a PhotometricSettings,
+    /// The folder to write to, which is part of `files`.
+    pub folder: &'a Path,
+    /// The set that the files are added to.
+    pub files: &'a FileSet,
+    /// Limits of memory and image sizes.
+    pub limits: Limits,
+    /// Stages.
+    pub progress: Progress<'a>,
 }
 
 /// A job in progress.

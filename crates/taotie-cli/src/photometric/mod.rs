@@ -14,18 +14,22 @@ pub use files::Output;
 
 use crate::bake::clock::Clock;
 use crate::{console, stop};
-use anyhow::Result;
+use anyhow::{Result, bail};
+use args::ANCHORED;
+use files::albedo_codes;
 use materials::MaterialsReport;
 use order::Order;
-use report::Report;
+use page::PhotometricPage;
+use relight::Relighting;
+use report::{Errors, Report};
 use scan::Scan;
 use std::path::Path;
 use taotie::comparison::diff::guessed_encoding;
 use taotie_batch::EstimateFigures;
-use taotie_engine::compare::{NormalEncoding, Summary, stored_normals};
+use taotie_engine::compare::{NormalEncoding, Summary, angular_error, stored_normals};
 use taotie_engine::image::Image;
 use taotie_engine::{Error, Progress, Warnings};
-use taotie_photometric::PhotographSet;
+use taotie_photometric::{Estimate, Estimator, PhotographSet, Samples, averaged};
 
 /// Runs the subcommand.
 pub fn run(args: &PhotometricArgs) -> Result<()> {
@@ -66,7 +70,7 @@ fn estimate(args: &PhotometricArgs) -> Result<Report> {
         progress,
     };
     relight::claim(&order)?;
-    let mut report = order.fill(&mut warnings)?;
+    let mut report = make(&order, &mut warnings)?;
     report.stages = clock.done();
     files.write_text(&order.path("report.json"), &serde_json::to_string_pretty(&report)?)?;
     files.commit()?;
@@ -115,9 +119,82 @@ fn report_of(order: &taotie_batch::Order<'_>, warnings: &mut Warnings) -> Result
         progress: order.progress,
     };
     relight::claim(&order)?;
-    let report = order.fill(warnings)?;
+    let report = make(&order, warnings)?;
     order.files.write_text(&order.path("report.json"), &serde_json::to_string_pretty(&report)?)?;
     Ok(report)
+}
+
+/// Estimates the normals, and adds all files to the set except for `report.json`, which is for the caller.
+fn make(order: &Order<'_>, warnings: &mut Warnings) -> Result<Report> {
+    let Order { set, options, files, progress, .. } = *order;
+    let reading = options.reading(order.limits);
+    let samples = Samples::read(set, &reading, progress.begin("read")?)?;
+    note_samples(&samples, warnings);
+    let size = [samples.width, samples.height];
+    let truth = order.truth.as_ref().map(|truth| averaged(truth, size)).transpose()?;
+    let estimate = Estimate::of(&samples, progress)?;
+    let without = estimate.best.iter().filter(|best| best.is_none()).count();
+    warnings.note("a pixel has no normal: too little light, or too few samples that agree", without);
+    estimate.note_doubts(&samples, warnings);
+    let mut relief = estimate.relief(progress.begin("depth")?)?;
+    let anchor = |scan: &Scan| scan.anchor(&mut relief, (&order.path(ANCHORED), files), warnings);
+    let anchoring = order.scan.as_ref().map(anchor).transpose()?;
+    progress.begin("write")?;
+    let output = Output {
+        folder: order.output,
+        pixel_size: options.pixel_size.unwrap_or(1.0),
+        files,
+        estimate: &estimate,
+        relief: &relief,
+    };
+    warnings.absorb(output.write()?);
+    let relightable = Relighting { order, reading: &reading }.write(&estimate)?;
+    let mut report = Report::new(order, &samples, &estimate);
+    report.truth = truth.as_ref().map(|truth| errors(&estimate, truth)).transpose()?;
+    report.scan = anchoring;
+    report.relight = relightable;
+    report.warnings = warnings.list();
+    if order.has_page {
+        let page = PhotometricPage {
+            report: &report,
+            estimate: &estimate,
+            albedo: &albedo_codes(&estimate),
+            truth: truth.as_ref(),
+        };
+        let (page, found) = page.html(&files.current(&order.path("relief.glb")))?;
+        warnings.absorb(found);
+        files.write_text(&order.path("report.html"), &page)?;
+        report.warnings = warnings.list();
+    }
+    Ok(report)
+}
+
+fn note_samples(samples: &Samples, warnings: &mut Warnings) {
+    warnings.note("a saturated sample is left out", samples.saturated());
+    let corner = 0.5 * f64::from(samples.width).hypot(f64::from(samples.height));
+    let within = samples.positions.iter().flatten().filter(|lamp| lamp.length() < corner);
+    warnings.note(
+        "a lamp is closer to the picture's centre than a corner is: with --pixel-size, the lights in the .lp file must be \
+         positions in its unit",
+        within.count(),
+    );
+}
+
+/// Returns the errors of each estimator in degrees.
+fn errors(estimate: &Estimate, truth: &Image) -> Result<Errors> {
+    let of = |estimator| -> Result<_> {
+        match angular_error(&estimate.normals(estimator), truth)?.summary() {
+            Some(summary) => Ok(summary),
+            None => bail!("the true normals and the mask share no pixel"),
+        }
+    };
+    Ok(Errors {
+        least_squares: of(Estimator::LeastSquares)?,
+        robust: of(Estimator::Robust)?,
+        direct: of(Estimator::Direct)?,
+        best: of(Estimator::Best)?,
+        coverage: estimate.coverage(truth),
+    })
 }
 
 /// Reads true normals.

@@ -1,9 +1,8 @@
 //! `taotie photometric --scan`: large shapes of the depth from a scan.
 
 use super::PhotometricArgs;
-use super::args::ANCHORED;
-use super::order::Order;
 use anyhow::Result;
+use std::path::Path;
 use taotie_engine::Warnings;
 use taotie_engine::image::Encoding;
 use taotie_io::{FileSet, PngColor, PngImage, PngSamples, load_model_within};
@@ -27,11 +26,11 @@ impl Scan {
         Ok(Some(Self { model, pose }))
     }
 
-    /// Moves the heights of a relief, and writes which of them can be relied on.
+    /// Moves the heights of a relief, and writes a mask of those that can be relied on.
     pub fn anchor(
         &self,
         relief: &mut Relief,
-        order: &Order<'_>,
+        (mask_path, files): (&Path, &FileSet),
         warnings: &mut Warnings,
     ) -> Result<Anchoring> {
         let [width, height] = [relief.grid.width as u32, relief.grid.height as u32];
@@ -46,7 +45,7 @@ impl Scan {
         reliable.for_each(|(pixel, _)| mask[*pixel as usize] = 255);
         let (color, samples) = (PngColor::Grey, PngSamples::U8(&mask));
         let image = PngImage { width, height, color, samples, encoding: Encoding::Linear };
-        order.files.write_png(&order.path(ANCHORED), &image)?;
+        files.write_png(mask_path, &image)?;
         Ok(anchoring)
     }
 }

@@ -165,7 +165,7 @@ impl<L: Lane> Lobes<L> {
         };
         let (gloss, matt) = (mean(gloss), mean(matt));
         let share = gloss / (gloss + matt).max(one.lit(1e-6));
-        // Metal reflects by its visible facets alone, and a surface without gloss by cosine alone. The highlights of
+        // Metal reflects only by its visible facets, and a surface without gloss only by cosine. The highlights of
         // other models have tails that need cosine sampling.
         let share = match shading {
             Shading::Ggx => {

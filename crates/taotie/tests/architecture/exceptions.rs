@@ -8,8 +8,8 @@ pub const LONG_FUNCTIONS: [(&str, &str); 0] = [];
 
 /// Figures that miss their targets today. They may only improve; the test asks for the new value.
 pub const RECORDED: [(&str, usize); 9] = [
-    ("production files that mention `sheen`", 29),
-    ("production files that mention `anisotropy`", 22),
+    ("production files that mention `sheen`", 28),
+    ("production files that mention `anisotropy`", 21),
     // The name of the method, and the method with its map.
     ("enums of the source of shading normals", 2),
     // A bake also reads its scan's maps, with filters of its samples.

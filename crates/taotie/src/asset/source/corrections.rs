@@ -524,7 +524,7 @@ pub(super) fn check_rounding((mesh, path): (&Mesh, &Path), warnings: &mut Warnin
     }
     let center = mesh.positions().iter().fold(Vec3::<f64>::default(), |sum, p| sum + p.to_f64())
         / mesh.positions().len().max(1) as f64;
-    // Few digits, but small beside the scan: whole numbers, or decimals of a scan smaller than 1.
+    // Few digits, but small compared with the scan: whole numbers, or decimals of a scan smaller than 1.
     let mut steps = 1.0;
     while steps * diagonal < 1.0 && steps < 1e15 {
         steps *= 10.0;
