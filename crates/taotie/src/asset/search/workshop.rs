@@ -12,7 +12,7 @@ use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::length::Unit;
 use taotie_engine::mesh::Mesh;
 use taotie_engine::progress::Progress;
-use taotie_engine::proof::{self, Picture, PixelDifferences, Side, Source};
+use taotie_engine::proof::{self, Picture, PixelDifferences, Side};
 use taotie_io::{
     CodecSet, GltfAsset, GltfFormat, GltfSizes, GltfSource, ImageCodec, Limits, PackedGeometry, PackedImage,
     TextureCodecs, VertexBits,
@@ -395,18 +395,12 @@ impl<'a> Workshop<'a> {
         Differences { seen, angle_ratio, color_ratio }
     }
 
-    /// Returns the ratio of the largest distance between the visible surfaces to its limit; 0 if it is certainly
-    /// within.
+    /// Returns the ratio of the largest distance between visible points of the surfaces to its limit; 0 if it is within.
     fn distance_ratio(&self, pair: &proof::Pair<'_>) -> f64 {
-        /// Distances below the first part of the limit need not be known; the bounds of others are closer than the
-        /// second.
-        const PARTS: [f64; 2] = [0.92, 0.05];
-        let [known, width] = PARTS.map(|part| (self.farthest * part) as f32);
-        let farthest = |side, to: &Side<'_>| {
-            proof::distance_bounds(Source { side, is_partly_hidden: true, known }, to.surface, width).upper
-        };
-        let most = farthest(pair.scan, pair.asset).max(farthest(pair.asset, pair.scan));
-        if most <= self.farthest { 0.0 } else { most / self.farthest }
+        /// The part of the limit that distances of points may reach; those between are farther.
+        const PART: f64 = 0.95;
+        let most = self.farthest * PART;
+        proof::stray(pair, most as f32).map_or(0.0, |distance| f64::from(distance) / most)
     }
 }
 
