@@ -5,9 +5,7 @@
 //! occlusion and thickness are integrated over other directions, and heights are measured by the distance from the scan of
 //! the point that they state. Only if points of the same uv correspond, it is that point, which the bake uses too.
 
-use crate::bake::{
-    Bevel, Cage, Correspondence, MapKind, ProjectionRay, Scan, Seen, Target, facet_of, mean_curvatures,
-};
+use crate::bake::{Bevel, Cage, Correspondence, MapKind, ProjectionRay, Scan, Seen, Target, facet_of};
 use crate::compare::{Field, Summary, angle_deg, color_difference};
 use crate::error::Result;
 use crate::math::{Vec2, Vec3, integration};
@@ -15,7 +13,7 @@ use crate::mesh::{Mesh, Point, TangentFrame, blend, each, sample_area};
 use crate::parallel;
 use crate::scene::NormalSpace;
 use crate::shade::sampling::cosine_direction;
-use crate::surface::{facet_normal, tangent_normal};
+use crate::surface::{facet_normal, mean_curvatures, tangent_normal};
 use crate::trace::Ray;
 
 /// The error of a map, at points that see the scan.
