@@ -57,7 +57,8 @@ pub fn set_quiet(quiet: bool) {
     QUIET.store(quiet, Ordering::Relaxed);
 }
 
-fn is_quiet() -> bool {
+/// Returns true if the user wants neither progress nor messages.
+pub fn is_quiet() -> bool {
     QUIET.load(Ordering::Relaxed)
 }
 
@@ -85,15 +86,16 @@ pub fn complain(line: &str) {
     let _ = writeln!(io::stderr().lock(), "{}", plain_lines(line));
 }
 
-/// Runs `work`, in which graphics drivers may write to stderr. With --quiet, stderr is discarded meanwhile, since no
-/// option of their interfaces silences drivers and the layers loaded with them.
+/// Runs `work`, which searches for graphics drivers, with stderr discarded: drivers and the layers loaded with them
+/// write there even if nothing is wrong (Mesa's choice of a device reports a missing Wayland display as an error), and no
+/// option of their interfaces silences them.
 #[cfg(all(unix, feature = "gpu"))]
 pub fn with_quiet_drivers<T>(work: impl FnOnce() -> T) -> T {
-    let _silenced = if is_quiet() { SilencedStderr::new().ok() } else { None };
+    let _silenced = SilencedStderr::new().ok();
     work()
 }
 
-/// Runs `work`, in which graphics drivers may write to stderr.
+/// Runs `work`, which searches for graphics drivers.
 #[cfg(all(not(unix), feature = "gpu"))]
 pub fn with_quiet_drivers<T>(work: impl FnOnce() -> T) -> T {
     work()

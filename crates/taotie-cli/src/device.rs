@@ -44,15 +44,21 @@ impl Machine {
     /// Finds the requested device; the CPU for `needs_cpu`, the reason, if the user left the choice.
     #[cfg(feature = "gpu")]
     pub fn find(device: Device, needs_cpu: Option<&str>) -> Result<Self> {
-        let find = |choice| console::with_quiet_drivers(|| Gpu::find(&choice)).map(Box::new).map(Self::Gpu);
+        let loudly = |choice: &AdapterChoice| Gpu::find(choice).map(Box::new).map(Self::Gpu);
+        let find = |choice: &AdapterChoice| console::with_quiet_drivers(|| loudly(choice));
         match device {
             Device::Cpu => Ok(Self::Cpu(None)),
-            Device::Gpu => Ok(find(AdapterChoice::default())?),
+            Device::Gpu => {
+                let any = AdapterChoice::default();
+                // Messages of the drivers may explain the failure.
+                let retry = |error| if console::is_quiet() { Err(error) } else { loudly(&any) };
+                Ok(find(&any).or_else(retry)?)
+            }
             Device::Auto => match needs_cpu {
                 Some(reason) => Ok(Self::Cpu(Some(reason.to_owned()))),
                 None => {
                     let hardware = AdapterChoice { hardware_only: true, name: None };
-                    Ok(find(hardware).unwrap_or_else(|error| Self::Cpu(Some(why_cpu(&error)))))
+                    Ok(find(&hardware).unwrap_or_else(|error| Self::Cpu(Some(why_cpu(&error)))))
                 }
             },
         }

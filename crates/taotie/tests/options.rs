@@ -5,7 +5,7 @@ use serde::de::DeserializeOwned;
 use serde_json::{from_str, json, to_string, to_value};
 use std::fmt::Debug;
 use std::sync::Arc;
-use taotie::asset::{BakeOptions, Baker, Packing, Scan, ScanOptions, VerifyOptions};
+use taotie::asset::{BakeOptions, Baker, Figure, Packing, Requirement, Scan, ScanOptions, VerifyOptions};
 use taotie::comparison::diff::{self, DiffOptions, Metric};
 use taotie::comparison::{ComparisonOptions, Matching, Method, SamplePoints};
 use taotie::inspection::{Check, CheckStatus};
@@ -178,4 +178,37 @@ fn channels_need_their_maps() {
     assert!(refused(&["x:R=world-normal.r,G=0,B=0"]).contains("world-normal is not baked"));
     assert!(refused(&["a:R=0,G=0,B=0", "A:R=1,G=1,B=1"]).contains("named A"));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "nothing is written");
+}
+
+/// `docs/bake.md` defines the named sets of requirements, and lists every figure.
+#[test]
+fn the_page_defines_all_requirements() {
+    let page = include_str!("../../../docs/bake.md");
+    let row = |start: &str| {
+        let line = page.lines().find(|line| line.starts_with(start)).expect(start);
+        line.split('|').map(|cell| cell.trim().trim_matches('`')).collect::<Vec<_>>()
+    };
+    for (name, set) in
+        [("standard", Requirement::standard()), ("visually-lossless", Requirement::visually_lossless())]
+    {
+        let cells = row(&format!("| `{name}` |"));
+        let (always, mut of_colors) =
+            (Requirement::read(cells[2]).unwrap(), Requirement::read(cells[3]).unwrap());
+        of_colors.iter_mut().for_each(|requirement| requirement.if_compared = true);
+        assert_eq!([always, of_colors].concat(), set, "{name}");
+    }
+    let rows = page.lines().skip_while(|line| !line.starts_with("| figure | unit")).skip(2);
+    let names: Vec<&str> = rows
+        .take_while(|line| line.starts_with("| `"))
+        .flat_map(|line| line.split('|').nth(1).unwrap_or("").split(','))
+        .map(|name| name.trim().trim_matches('`'))
+        .collect();
+    let figures = names.iter().map(|name| {
+        let limit = if *name == "texel" { "50um" } else { "1" };
+        format!("{name}={limit}").parse::<Requirement>().expect(name).figure
+    });
+    let listed: Vec<Figure> = figures.collect();
+    let missing: Vec<&str> =
+        Figure::NAMES.iter().filter(|(_, figure)| !listed.contains(figure)).map(|(name, _)| *name).collect();
+    assert!(missing.is_empty(), "{missing:?}");
 }

@@ -182,6 +182,14 @@ fn materials_have_maps_of_their_own_size() {
     place.json("bake scan.obj --low low.obj -o out.png --size 64 --sizes even --json");
     let side = |name: &str| picture(&place, &format!("out.{name}.png")).width();
     assert_eq!([side("whole"), side("half")], [64, 32]);
+
+    place.write("low.obj", LOW.obj());
+    let single = place.json("bake scan.obj --low low.obj -o one.png --size 64 --sizes even --json");
+    let warnings = single["warnings"].to_string();
+    assert!(
+        warnings.contains("even sizes have no effect: the low-poly mesh has one set of maps"),
+        "{warnings}"
+    );
 }
 
 #[test]

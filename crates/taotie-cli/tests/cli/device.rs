@@ -50,6 +50,23 @@ fn drivers_are_quiet_too() {
     }
 }
 
+/// Without a display, Mesa reports an error that is none. Only messages of the program appear.
+#[test]
+fn drivers_that_work_say_nothing() {
+    let place = Place::with("a.obj", TRIANGLE);
+    for device in ["gpu", "auto"] {
+        let line = format!("render a.obj -o {device}.png --size 40x30 --device {device}");
+        let command = place.taotie(&line).env_remove("XDG_RUNTIME_DIR").env_remove("WAYLAND_DISPLAY");
+        let output = command.output().expect("the command runs");
+        let err = String::from_utf8_lossy(&output.stderr).into_owned();
+        let is_own = err.lines().all(|line| line.starts_with("taotie: rendered on "));
+        assert!(
+            (output.status.success() && is_own) || (!is_required() && err.contains("no GPU was found")),
+            "{err}"
+        );
+    }
+}
+
 #[test]
 fn a_software_gpu_is_only_used_if_named() {
     let place = Place::with("a.obj", TRIANGLE);

@@ -45,7 +45,6 @@ pub(crate) use sights::sphere_directions;
 pub use simplify::{DetailLevel, Simplified, SimplifyMethod, SimplifyOptions, levels, simplify};
 pub(crate) use sky::{Bevel, Seen, facet_of};
 pub use texel_surface::{SurfacePoint, TexelSurface, UvIndex, UvLookup};
-pub(crate) use texels::mean_curvatures;
 pub use texels::{BakeInput, BakeSettings, bake, bytes_of_bands};
 pub use texture_lookup::{LookupPoint, MappedNormal, texel_width};
 pub use textured_mesh::{TexturedMesh, framed_low_poly_mesh, lacks_tangents, low_poly_mesh};

@@ -17,7 +17,7 @@ use crate::parallel;
 use crate::progress::Progress;
 use crate::scene::{AlphaMode, NormalSpace};
 use crate::shade::SubPixelVariance;
-use crate::surface::tangent_space_normal;
+use crate::surface::{mean_curvatures, tangent_space_normal};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
@@ -520,47 +520,9 @@ impl Job<'_> {
     }
 }
 
-/// Returns the mean curvature at each vertex, in 1 / model units: above 0 if the surface bulges, 1/r on a sphere of
-/// radius r.
-///
-/// It is half the divergence of the normals, which are interpolated linearly over each triangle: div n = Σ nᵢ · (N × eᵢ) / 2A
-/// over its corners, with its normal N, its area A and the edge eᵢ opposite to the corner. A vertex gets the mean over its
-/// triangles, weighted by area. Edges where normals are split do not count.
-/// Source: Theisel et al. 2004, "Normal based estimation of the curvature tensor for triangular meshes".
-pub(crate) fn mean_curvatures(mesh: &Mesh) -> Vec<f32> {
-    /// The height of a triangle, as a fraction of its longest edge, below which its normal is noise.
-    const THINNEST: f64 = 1e-5;
-    let mut sums = vec![(0.0f64, 0.0f64); mesh.positions().len()];
-    for (t, triangle) in mesh.triangles().iter().enumerate() {
-        let corners = mesh.corners(t).map(Vec3::to_f64);
-        let [a, b, c] = corners;
-        // Twice the area.
-        let across = (b - a).cross(c - a);
-        let area = across.length();
-        let longest = [b - a, c - b, a - c].into_iter().fold(0.0, |most: f64, edge| most.max(edge.dot(edge)));
-        if area <= longest * THINNEST {
-            continue;
-        }
-        let spread = |k: usize| {
-            let opposite = corners[(k + 2) % 3] - corners[(k + 1) % 3];
-            let normal = mesh.normals()[triangle[k] as usize].to_f64();
-            normal.dot(across.cross(opposite)) / area
-        };
-        // Twice the area times the curvature.
-        let bend = (spread(0) + spread(1) + spread(2)) / 2.0;
-        for v in triangle {
-            let (sum, weight) = &mut sums[*v as usize];
-            *sum += bend;
-            *weight += area;
-        }
-    }
-    sums.into_iter().map(|(sum, weight)| if weight > 0.0 { (sum / weight) as f32 } else { 0.0 }).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::MeshData;
 
     #[test]
     fn only_maps_of_materials_and_points_pay_for_their_sums() {
@@ -570,29 +532,5 @@ mod tests {
         assert_eq!((full.surfaces.len(), full.materials.len(), full.points.len()), (64, 64, 64));
         // 12 numbers of vectors, 4 counts, 6 numbers.
         assert_eq!(size_of::<Cell>(), 4 * (12 + 4 + 6));
-    }
-
-    #[test]
-    fn a_sphere_bends_by_one_over_its_radius_and_inside_out_by_as_much_less() {
-        let sphere = Mesh::sphere(1.0, 64, 32);
-        let radius = 2.5;
-        let scaled = |sign: f32| {
-            let data = sphere.clone().into_data();
-            Mesh::new(MeshData {
-                positions: data.positions.iter().map(|p| *p * radius).collect(),
-                normals: data.normals.iter().map(|n| *n * sign).collect(),
-                tangents: Vec::new(),
-                ..data
-            })
-            .unwrap()
-        };
-        for sign in [1.0, -1.0] {
-            let sphere = scaled(sign);
-            let curvatures = mean_curvatures(&sphere);
-            for v in sphere.triangles().as_flattened() {
-                let curvature = curvatures[*v as usize];
-                assert!((curvature * radius * sign - 1.0).abs() < 1e-3, "{curvature}");
-            }
-        }
     }
 }

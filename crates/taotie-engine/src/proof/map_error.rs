@@ -7,7 +7,6 @@
 
 use crate::bake::{
     Bevel, Cage, Correspondence, LookupPoint, MapKind, ProjectionRay, Scan, Seen, Target, facet_of,
-    mean_curvatures,
 };
 use crate::compare::{Field, Summary, angle_deg, color_difference};
 use crate::error::Result;
@@ -16,7 +15,7 @@ use crate::mesh::{Mesh, Point, TangentFrame, blend, each, sample_area};
 use crate::parallel;
 use crate::scene::NormalSpace;
 use crate::shade::sampling::cosine_direction;
-use crate::surface::{facet_normal, tangent_normal, tangent_space_normal};
+use crate::surface::{facet_normal, mean_curvatures, tangent_normal, tangent_space_normal};
 use crate::trace::Ray;
 
 /// The error of a map, at points that see the scan.

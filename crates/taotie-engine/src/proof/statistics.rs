@@ -56,14 +56,17 @@ impl Estimate {
     }
 }
 
-/// Returns the 99 % interval of a share measured with `count` samples, [0, 1].
+/// Returns the 99 % interval of a share measured with `count` samples, [0, 1]. It includes the share, so it starts at
+/// exactly 0 if no sample counts, and ends at exactly 1 if all do.
 ///
 /// Source: Wilson 1927, "Probable inference, the law of succession, and statistical inference".
 pub fn share_interval(share: f64, count: usize) -> [f64; 2] {
     let (n, z) = (count.max(1) as f64, SIGMAS_99);
     let middle = share + z * z / (2.0 * n);
     let half = z * (share * (1.0 - share) / n + z * z / (4.0 * n * n)).sqrt();
-    [middle - half, middle + half].map(|bound| (bound / (1.0 + z * z / n)).clamp(0.0, 1.0))
+    let [low, high] = [middle - half, middle + half].map(|bound| (bound / (1.0 + z * z / n)).clamp(0.0, 1.0));
+    // Rounding may place the share outside.
+    [low.min(share), high.max(share)]
 }
 
 /// The digits of the standard limits. Between two limits the share is between theirs.
@@ -189,6 +192,18 @@ mod tests {
         assert!(Estimate::of(&[f32::NAN]).unwrap().is_none());
         let one = Estimate::of(&[2.0, f32::NAN]).unwrap().unwrap();
         assert_eq!((one.summary.count, one.mean_interval), (1, [2.0, 2.0]));
+    }
+
+    #[test]
+    fn an_interval_includes_its_share() {
+        for count in 1..2000 {
+            let [[least, some], [most, all]] = [0.0, 1.0].map(|share| share_interval(share, count));
+            assert_eq!((least, all), (0.0, 1.0), "{count}");
+            assert!(some > 0.0 && most < 1.0, "{count}");
+            let one = 1.0 / count as f64;
+            let [low, high] = share_interval(one, count);
+            assert!((low..=high).contains(&one), "{count}");
+        }
     }
 
     #[test]

@@ -1,8 +1,10 @@
-//! Angles at the edges of a surface: which edges are meant to be hard, and normals split at them.
+//! How a surface bends: the angles at its edges, which of them are meant to be hard, and normals split at those; and
+//! the mean curvature at its vertices.
 
 use super::connectivity::{Edge, Edges};
 use super::creases::{Corner, Splitter, Spot, sorted_corners};
 use super::normals::{unit, with_normals};
+use super::weld::{Classes, bits};
 use crate::error::Result;
 use crate::groups::DisjointSets;
 use crate::math::{Vec3, scalar};
@@ -262,5 +264,119 @@ impl<'a> Bends<'a> {
             self.edges.ends(self.mesh, *edge).iter().for_each(|p| is_end[*p as usize] = true)
         });
         sorted_corners(self.mesh, &places.of, |place| is_end[place as usize])
+    }
+}
+
+/// Returns the mean curvature at each vertex, in 1 / model units: above 0 if the surface bulges, 1/r on a sphere of
+/// radius r.
+///
+/// It is half the divergence of the normals, which are interpolated linearly over each triangle: div n = Σ nᵢ · (N × eᵢ) / 2A
+/// over its corners, with its normal N, its area A and the edge eᵢ opposite to the corner. A vertex gets the mean over its
+/// triangles, weighted by area. Copies of a vertex with the same normal count as one, as in files that store the corners
+/// of each triangle separately; edges where normals are split do not count.
+/// Source: Theisel et al. 2004, "Normal based estimation of the curvature tensor for triangular meshes".
+pub(crate) fn mean_curvatures(mesh: &Mesh) -> Vec<f32> {
+    /// The height of a triangle, as a fraction of its longest edge, below which its normal is noise.
+    const THINNEST: f64 = 1e-5;
+    let key = |v: usize| [mesh.positions()[v], mesh.normals()[v]].map(|vector| bits(vector.to_array()));
+    let vertices = Classes::by(mesh.positions().len(), key);
+    let mut sums = vec![(0.0f64, 0.0f64); vertices.firsts.len()];
+    for (t, triangle) in mesh.triangles().iter().enumerate() {
+        let corners = mesh.corners(t).map(Vec3::to_f64);
+        let [a, b, c] = corners;
+        // Twice the area.
+        let across = (b - a).cross(c - a);
+        let area = across.length();
+        let longest = [b - a, c - b, a - c].into_iter().fold(0.0, |most: f64, edge| most.max(edge.dot(edge)));
+        if area <= longest * THINNEST {
+            continue;
+        }
+        let spread = |k: usize| {
+            let opposite = corners[(k + 2) % 3] - corners[(k + 1) % 3];
+            let normal = mesh.normals()[triangle[k] as usize].to_f64();
+            normal.dot(across.cross(opposite)) / area
+        };
+        // Twice the area times the curvature.
+        let bend = (spread(0) + spread(1) + spread(2)) / 2.0;
+        for v in triangle {
+            let (sum, weight) = &mut sums[vertices.of[*v as usize] as usize];
+            *sum += bend;
+            *weight += area;
+        }
+    }
+    let mean = |(sum, weight): (f64, f64)| if weight > 0.0 { (sum / weight) as f32 } else { 0.0 };
+    vertices.of.iter().map(|class| mean(sums[*class as usize])).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sphere_bends_by_one_over_its_radius_and_inside_out_by_as_much_less() {
+        let sphere = Mesh::sphere(1.0, 64, 32);
+        let radius = 2.5;
+        let scaled = |sign: f32| {
+            let data = sphere.clone().into_data();
+            Mesh::new(MeshData {
+                positions: data.positions.iter().map(|p| *p * radius).collect(),
+                normals: data.normals.iter().map(|n| *n * sign).collect(),
+                tangents: Vec::new(),
+                ..data
+            })
+            .unwrap()
+        };
+        for sign in [1.0, -1.0] {
+            let sphere = scaled(sign);
+            let curvatures = mean_curvatures(&sphere);
+            for v in sphere.triangles().as_flattened() {
+                let curvature = curvatures[*v as usize];
+                assert!((curvature * radius * sign - 1.0).abs() < 1e-3, "{curvature}");
+            }
+        }
+    }
+
+    /// Triangles that store their corners separately have the curvatures of those that share vertices, to the bit.
+    #[test]
+    fn copies_of_a_vertex_bend_like_one() {
+        let shared = Mesh::sphere(1.0, 16, 8);
+        let corners = || shared.triangles().as_flattened().iter().map(|v| *v as usize);
+        let soup = Mesh::new(MeshData {
+            positions: corners().map(|v| shared.positions()[v]).collect(),
+            normals: corners().map(|v| shared.normals()[v]).collect(),
+            triangles: (0..shared.triangles().len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect(),
+            ..MeshData::default()
+        })
+        .unwrap();
+        let (of_shared, of_soup) = (mean_curvatures(&shared), mean_curvatures(&soup));
+        assert!(corners().zip(&of_soup).all(|(v, curvature)| of_shared[v].to_bits() == curvature.to_bits()));
+    }
+
+    /// A tube with a lid: the rim of the tube bends like the rest of it, and that of the flat lid not at all.
+    #[test]
+    fn hard_edges_do_not_bend() {
+        const SIDES: u32 = 12;
+        let ring = |z: f32| {
+            let angle = |i: u32| f64::from(i) * std::f64::consts::TAU / f64::from(SIDES);
+            (0..SIDES).map(move |i| Vec3::new(scalar::cos(angle(i)) as f32, scalar::sin(angle(i)) as f32, z))
+        };
+        let up = Vec3::new(0.0, 0.0, 1.0);
+        let (bottom, top, lid) = (0, SIDES, 2 * SIDES);
+        let side = |i: u32| {
+            let next = (i + 1) % SIDES;
+            [[bottom + i, bottom + next, top + next], [bottom + i, top + next, top + i]]
+        };
+        let fan = (1..SIDES - 1).map(|i| [lid, lid + i, lid + i + 1]);
+        let mesh = Mesh::new(MeshData {
+            positions: ring(0.0).chain(ring(1.0)).chain(ring(1.0)).collect(),
+            normals: ring(0.0).chain(ring(0.0)).chain((0..SIDES).map(|_| up)).collect(),
+            triangles: (0..SIDES).flat_map(side).chain(fan).collect(),
+            ..MeshData::default()
+        })
+        .unwrap();
+        let curvatures = mean_curvatures(&mesh);
+        let (tube, lid) = curvatures.split_at(lid as usize);
+        assert!(tube.iter().all(|curvature| (curvature - 0.5).abs() < 0.02), "{tube:?}");
+        assert!(lid.iter().all(|curvature| curvature.abs() < 1e-6), "{lid:?}");
     }
 }

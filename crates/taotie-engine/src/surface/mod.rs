@@ -15,6 +15,7 @@ mod tangents;
 mod weld;
 mod winding;
 
+pub(crate) use bends::mean_curvatures;
 pub use bends::{Bends, MODELLED_CREASE_DEG, looks_scanned};
 pub use connectivity::{HardEdges, uv_islands};
 pub(crate) use creases::{creased, has_turned_facets, parted};

@@ -18,7 +18,7 @@ pub enum MapFormat {
     WebP,
     /// OpenEXR, floats.
     Exr,
-    /// Truevision TGA with run lengths, 8 bits.
+    /// Truevision TGA without compression, 8 bits.
     Tga,
     /// DDS with mip levels: BC5 for tangent-space normals, BC4 for one channel, BC7 for others; 8 bits.
     Dds,
@@ -103,7 +103,8 @@ fn tga(bitmap: &Bitmap, texels: &[[u8; 4]]) -> Result<Vec<u8>> {
         _ => (image::ExtendedColorType::Rgba8, 4),
     };
     let (samples, mut bytes) = (interleaved(texels, channels), Vec::new());
-    let encoder = image::codecs::tga::TgaEncoder::new(&mut bytes);
+    // The encoder's run lengths cross rows, which TGA 2.0 forbids and some readers refuse.
+    let encoder = image::codecs::tga::TgaEncoder::new(&mut bytes).disable_rle();
     let encoded = encoder.encode(&samples, bitmap.width(), bitmap.height(), color);
     encoded.map_err(|error| Error::invalid("a TGA", error.to_string()))?;
     Ok(bytes)
@@ -125,4 +126,26 @@ fn tiff(image: &PngImage) -> Result<Vec<u8>> {
     });
     encoded.map_err(|error| Error::invalid("a TIFF", error.to_string()))?;
     Ok(bytes.into_inner())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rows of equal texels, whose run lengths would continue in the next row.
+    #[test]
+    fn tga_has_no_packets() {
+        for channels in [1, 3, 4] {
+            let texel = [1, 2, 3, 4].map(|code| if code <= channels { code } else { 0 });
+            let bitmap = Bitmap::new(3, 2, channels, Texels::U8(vec![texel; 6])).unwrap();
+            let bytes = encode_map(&bitmap, Encoding::Linear, MapFormat::Tga).unwrap();
+            let (kind, bgra) = match channels {
+                1 => (3, vec![1]),
+                3 => (2, vec![3, 2, 1]),
+                _ => (2, vec![3, 2, 1, 4]),
+            };
+            assert_eq!((bytes[2], &bytes[12..16]), (kind, [3, 0, 2, 0].as_slice()));
+            assert_eq!(bytes[18..], bgra.repeat(6), "{channels} channels, after the header");
+        }
+    }
 }

@@ -349,7 +349,7 @@ fn lightened(
             vec![low]
         }
     };
-    let sizes = set_sizes(options, &lows)?;
+    let sizes = set_sizes(options, &lows, warnings)?;
     let part = |(low, size): (LowPoly, [u32; 2])| -> Result<Part> {
         let baked = bake_maps(recipe, size, Pair { scan, low: &low }, progress);
         let maps =

@@ -1,6 +1,7 @@
 //! The figures that limits can be set for: their names, units and titles, and how each compares scan and asset.
 
 use std::borrow::Cow;
+use taotie_engine::error::{Error, Result};
 use taotie_engine::length;
 use taotie_engine::names::Named;
 
@@ -351,6 +352,24 @@ pub(super) fn split(text: &str) -> (&str, &str) {
 /// `within-5deg`.
 const WITHIN: &str = "within-";
 
+/// Returns the figure with this name.
+///
+/// # Errors
+/// [`Error::Invalid`] listing the names that a requirement may have: those of shares with an example of their limit.
+pub(super) fn read_plain(name: &str) -> Result<Figure> {
+    let example = |figure: Figure| match figure {
+        Figure::WithinAngle => "within-5deg",
+        Figure::WithinColor => "within-3dE",
+        Figure::WithinDistance => "within-0.5%",
+        _ => figure.name(),
+    };
+    Figure::from_name(name).map_err(|_| {
+        let known: Vec<&str> = Figure::NAMES.iter().map(|(_, figure)| example(*figure)).collect();
+        let why = format!("expected one of: {}", known.join(", "));
+        Error::invalid(format!("unknown {} `{name}`", Figure::WHAT), why)
+    })
+}
+
 /// Returns the name of a figure, including the limit if it is a share within one.
 pub(in crate::asset) fn name_within(figure: Figure, limit: Option<f64>) -> Cow<'static, str> {
     match (figure.units_within(), limit) {
@@ -374,11 +393,11 @@ pub(in crate::asset) fn title_within(figure: Figure, limit: Option<f64>) -> Cow<
 
 /// Parses a name with a limit, such as `within-5deg`, `within-3dE` or `within-0.5%`; `None` for names of other
 /// figures.
-pub(super) fn read_within(name: &str) -> Option<Result<(Figure, f64), String>> {
+pub(super) fn read_within(name: &str) -> Option<std::result::Result<(Figure, f64), String>> {
     Some(limit_of_name(name.strip_prefix(WITHIN)?.trim()))
 }
 
-fn limit_of_name(text: &str) -> Result<(Figure, f64), String> {
+fn limit_of_name(text: &str) -> std::result::Result<(Figure, f64), String> {
     let (number, unit) = split(text);
     let of = |figure: Figure| Some((figure, figure.units_within()?.iter().find(|u| u.name == unit)?.size));
     let found = [Figure::WithinAngle, Figure::WithinColor, Figure::WithinDistance].into_iter().find_map(of);

@@ -1,6 +1,8 @@
 //! Requirements: limits of figures that a proof must meet; as text for `--require`, and as lists with names.
 
-use super::figure::{Figure, FigureUnit, length_unit, name_within, read_within, shown_unit, split};
+use super::figure::{
+    Figure, FigureUnit, length_unit, name_within, read_plain, read_within, shown_unit, split,
+};
 use super::lod::Lod;
 use std::borrow::Cow;
 use std::fmt;
@@ -149,7 +151,7 @@ impl FromStr for Requirement {
         };
         let (figure, within) = match read_within(name).transpose().map_err(|why| wrong(&why))? {
             Some((figure, limit)) => (figure, Some(limit)),
-            None => (Figure::from_name(name)?, None),
+            None => (read_plain(name)?, None),
         };
         let level = level.map(|level| level_of(figure, level)).transpose().map_err(|why| wrong(&why))?;
         let (most, is_length) = most_of(figure, most.trim()).map_err(|why| wrong(&why))?;
@@ -379,6 +381,7 @@ mod tests {
             ("bytes=1%", "bytes is not measured in %; use a bare number, or one in B, kB, MB"),
             ("missed=3°", "missed is not measured in °"),
             ("beauty=3", "expected one of: mean-angle"),
+            ("beauty=3", "completeness, within-5deg, within-3dE, within-0.5%, hausdorff"),
             ("missed=-1", "-1 is below 0"),
             ("missed=x", "`x` is not a number"),
             ("missed=inf", "`inf` is not a number"),
@@ -400,6 +403,17 @@ mod tests {
             let error = read(text).unwrap_err().to_string();
             assert!(error.contains(why), "{text}: {error}");
         }
+    }
+
+    #[test]
+    fn every_offered_name_is_accepted() {
+        let error = read("beauty=3").unwrap_err().to_string();
+        let (_, names) = error.split_once("expected one of: ").unwrap();
+        for name in names.split(", ") {
+            let limit = if name == "texel" { "50um" } else { "1" };
+            assert!(read(&format!("{name}={limit}")).is_ok(), "{name}");
+        }
+        assert_eq!(names.split(", ").count(), Figure::NAMES.len());
     }
 
     #[test]

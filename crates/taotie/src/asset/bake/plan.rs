@@ -173,15 +173,21 @@ impl BakeOptions {
     }
 }
 
-/// Returns the size of the maps of each low-poly mesh.
+/// Returns the size of the maps of each low-poly mesh. Notes even sizes if there is only one.
 ///
 /// # Errors
 /// [`Error::Invalid`] if a size has the name of no material.
-pub(in crate::asset) fn set_sizes(options: &BakeOptions, lows: &[LowPoly]) -> Result<Vec<[u32; 2]>> {
+pub(in crate::asset) fn set_sizes(
+    options: &BakeOptions,
+    lows: &[LowPoly],
+    warnings: &mut Warnings,
+) -> Result<Vec<[u32; 2]>> {
     let usual = options.map_size();
     match &options.sizes {
         SetSizes::Same => Ok(vec![usual; lows.len()]),
         SetSizes::Even => {
+            let is_single = usize::from(lows.len() == 1);
+            warnings.note("even sizes have no effect: the low-poly mesh has one set of maps", is_single);
             let widths: Vec<f64> = lows.iter().map(|low| width_of_map(&low.mesh)).collect();
             let widest = widths.iter().fold(0.0, |most: f64, width| most.max(*width));
             let side = |side: u32, width: f64| (f64::from(side) * width / widest / 4.0).round() as u32 * 4;

@@ -264,13 +264,17 @@ fn command(
     options: &VerifyOptions,
     signature: &Signature,
 ) -> String {
+    let names: Vec<String> = names.iter().map(|name| path_argument(name)).collect();
     let Some((asset, scan)) = names.split_first() else { return String::new() };
     let usual = VerifyOptions::default();
     let mut words = ["taotie", "verify", asset.as_str()].map(str::to_owned).to_vec();
     words.extend(scan.iter().flat_map(|scan| ["--scan".to_owned(), scan.clone()]));
     words.extend(reading.arguments());
     let mut option = |name: &str, value: Option<String>| {
-        words.extend(value.into_iter().flat_map(|value| [name.to_owned(), value]));
+        words.extend(value.into_iter().flat_map(|value| match value.starts_with('-') {
+            true => vec![format!("{name}={value}")],
+            false => vec![name.to_owned(), value],
+        }));
     };
     option("--proof-points", (options.points != usual.points).then(|| options.points.to_string()));
     option("--proof-view", (options.view != usual.view).then(|| options.view.to_string()));
@@ -281,6 +285,11 @@ fn command(
     let page = Path::new(asset).with_extension("report.html");
     option("-o", Some(page.to_string_lossy().into_owned()));
     words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ")
+}
+
+/// Returns the name of a file as an argument: with `./` in front of a dash, which would make it an option.
+fn path_argument(name: &str) -> String {
+    if name.starts_with('-') { format!("./{name}") } else { name.to_owned() }
 }
 
 /// Returns a word quoted for shells: bare, in quotes that all shells share, or in POSIX quotes.
@@ -453,6 +462,11 @@ mod tests {
         let two = ["a.glb", "s.ply", "S.obj"].map(str::to_owned);
         let of_two = command(&two, &plain, &VerifyOptions::default(), &Signature::default());
         assert_eq!(of_two, "taotie verify a.glb --scan s.ply --scan S.obj -o a.report.html");
+        let dashed = ["-a.glb", "-s b.ply"].map(str::to_owned);
+        let signature = Signature { date: None, operator: Some("-".into()) };
+        let of_dashed = command(&dashed, &plain, &VerifyOptions::default(), &signature);
+        let wanted = "taotie verify ./-a.glb --scan \"./-s b.ply\" --operator=- -o ./-a.report.html";
+        assert_eq!(of_dashed, wanted);
         assert!(are_distinct(&two) && !are_distinct(&["s.ply", "S.ply"].map(str::to_owned)));
     }
 
