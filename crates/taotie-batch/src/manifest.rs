@@ -189,6 +189,7 @@ mod tests {
             forecast_bytes: None,
             figures: None,
             estimated: None,
+            points: None,
             require: Vec::new(),
             required: Vec::new(),
             warnings: Vec::new(),

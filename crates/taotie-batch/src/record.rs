@@ -38,6 +38,25 @@ pub enum State {
     Failed,
 }
 
+/// The most points of a proof.
+const MOST_POINTS: usize = 4_000_000;
+
+/// Returns the number of points that is likely to decide the undecided requirements of a proof with `points`; `None`
+/// if none is undecided, or no number would decide them. Intervals shrink with the square root of the number.
+pub fn points_to_decide(required: &[RequirementOutcome], points: usize) -> Option<usize> {
+    /// The safety factor, since intervals are estimates.
+    const MARGIN: f64 = 1.5;
+    let factor = |met: &RequirementOutcome| {
+        let ([low, high], value) = (met.interval?, met.value?);
+        let ratio = (high - low) / 2.0 / (value - met.most).abs().max(f64::MIN_POSITIVE);
+        Some((ratio * ratio).max(2.0) * MARGIN)
+    };
+    let undecided = required.iter().filter(|met| met.is_undecided());
+    let wanted = points as f64 * undecided.filter_map(factor).reduce(f64::max)?;
+    let most = MOST_POINTS as f64;
+    (points < MOST_POINTS && wanted <= 4.0 * most).then_some(wanted.min(most) as usize)
+}
+
 /// An attempt at an asset.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Record {
@@ -79,6 +98,9 @@ pub struct Record {
     /// The figures of normals from photographs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub estimated: Option<EstimateFigures>,
+    /// Points of the proof, if the requirements needed more than the settings state.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub points: Option<usize>,
     /// The requirements.
     pub require: Vec<Requirement>,
     /// How each requirement was met, level by level.

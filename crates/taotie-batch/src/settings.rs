@@ -145,6 +145,13 @@ impl Task {
         }
         named
     }
+
+    /// Sets the points of the proof of a bake, if given.
+    pub fn take_points(&mut self, points: Option<usize>) {
+        if let (Self::Bake(asset), Some(points)) = (self, points) {
+            asset.verify.points = points;
+        }
+    }
 }
 
 impl AssetSettings {

@@ -73,9 +73,10 @@ pub struct ProofArgs {
     /// whose unit is known. Images: flip, worst-view, ssim (at least). Size: triangles, bytes, gpu-memory (vertices,
     /// and textures with mip levels); the latter two with B, kB, MB, GB, KiB, MiB or GiB. `standard` means
     /// mean-angle=1, p95-angle=5, patch-angle=10, missed=0.1%, hausdorff=1%, mean-color=1, patch-color=3;
-    /// `visually-lossless` means mean-angle=0.5, p95-angle=2, mean-color=0.5, p95-color=1.5, patch-color=3; `web`,
-    /// `archive` and `engine` mean the target and the ceilings of that preset of `taotie bake`. Figures as seen apply
-    /// to every level of detail, at the size at which it is shown; all others to the finest. mean-angle@1=5 applies
+    /// `visually-lossless` means mean-angle=0.5, p95-angle=2, missed=0.1%, hausdorff=1%, mean-color=0.5,
+    /// p95-color=1.5, patch-color=3; `web`, `archive` and `engine` mean the target and the ceilings of that preset of
+    /// `taotie bake`. Figures as seen apply to every level of detail, at the size at which it is shown; all others to
+    /// the finest. mean-angle@1=5 applies
     /// to level 1 only, instead of the limit for all levels; level 0 is the finest
     #[arg(long, value_name = "standard|FIGURE[@LEVEL]=LIMIT[UNIT],...", value_delimiter = ',', value_parser = required)]
     require: Vec<Required>,

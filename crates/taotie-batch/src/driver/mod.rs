@@ -272,6 +272,10 @@ impl<'a> Driver<'a> {
         hear: &mut dyn FnMut(Event<'_>) -> bool,
     ) -> Result<()> {
         self.done += todo.cost();
+        if let Some(again) = todo.to_decide(&outcome.required) {
+            self.all += again.cost();
+            self.queue.push_back(again);
+        }
         let record = self.books.record(todo, outcome, took);
         self.add(record, hear)
     }

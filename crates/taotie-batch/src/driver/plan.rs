@@ -3,7 +3,7 @@
 use crate::collection::{Collection, Kind, Scan};
 use crate::job::Outcome;
 use crate::manifest::{History, Manifest, Shard};
-use crate::record::{InputFile, Record, SCHEMA, State};
+use crate::record::{InputFile, Record, SCHEMA, State, points_to_decide};
 use crate::settings::{Settings, Task};
 use crate::store::{MainObject, Store, VERSION, hash_of};
 use std::collections::BTreeMap;
@@ -11,6 +11,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use taotie::Bytes;
+use taotie::asset::RequirementOutcome;
 use taotie_engine::{Error, Result, Warnings};
 use taotie_photometric::input_files;
 
@@ -44,9 +45,24 @@ pub struct Todo {
     pub input: Vec<InputFile>,
     /// Its size in bytes.
     pub bytes: u64,
+    /// Points of the proof, if the requirements need more than the collection states.
+    pub points: Option<usize>,
 }
 
 impl Todo {
+    /// Returns the work with more points of the proof, likely enough to decide the undecided requirements; `None` if
+    /// all are decided, or more points would not decide them.
+    pub fn to_decide(&self, required: &[RequirementOutcome]) -> Option<Self> {
+        let Task::Bake(asset) = &self.settings.task else { return None };
+        let points = points_to_decide(required, asset.verify.points)?;
+        Some(self.clone().with_points(Some(points)))
+    }
+
+    fn with_points(mut self, points: Option<usize>) -> Self {
+        self.settings.task.take_points(points);
+        Self { points, ..self }
+    }
+
     /// Returns the relative cost of the work: a fixed part per asset, plus a part for its size.
     pub fn cost(&self) -> f64 {
         const EACH: u64 = 1 << 18;
@@ -125,7 +141,7 @@ fn todo(collection: &Collection, scan: &Scan) -> Result<Todo> {
     };
     let input = input(collection.folder(), scan);
     let bytes = input.iter().map(|file| file.bytes).sum();
-    Ok(Todo { scan: scan.clone(), settings, settings_hash, input, bytes })
+    Ok(Todo { scan: scan.clone(), settings, settings_hash, input, bytes, points: None })
 }
 
 /// Returns the object's own files, with paths relative to `folder`; none if one of them cannot be opened.
@@ -170,13 +186,18 @@ fn due<'a>(todo: Todo, (folder, books): (&Path, &'a Books), retry: bool) -> Due<
     if !last.parts.iter().all(|part| books.store.holds(part)) {
         return Due::Making(Box::new(todo));
     }
-    if last.is_current() && last.require == todo.settings.require && last.title == todo.scan.title {
+    let proved = todo.clone().with_points(last.points);
+    let is_judged =
+        last.is_current() && last.require == todo.settings.require && last.title == todo.scan.title;
+    if is_judged && proved.to_decide(&last.required).is_none() {
         return Due::Nothing(last);
     }
     let object = last.main().and_then(|part| books.store.object::<MainObject>(&part.address));
-    match object {
-        Some(object) => Due::Recording(Box::new(judged(last, &todo, &object))),
-        None => Due::Making(Box::new(todo)),
+    let Some(object) = object else { return Due::Making(Box::new(todo)) };
+    let record = judged(last, &todo, &object);
+    match proved.to_decide(&record.required) {
+        Some(todo) => Due::Making(Box::new(todo)),
+        None => Due::Recording(Box::new(record)),
     }
 }
 
@@ -280,6 +301,7 @@ impl Books {
             forecast_bytes: took.forecast,
             figures: outcome.figures,
             estimated: outcome.estimated,
+            points: todo.points,
             require: todo.settings.require,
             required: outcome.required,
             warnings: outcome.warnings,

@@ -187,11 +187,13 @@ pub fn remake(
     let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let scan = record.source().map(Path::to_path_buf).unwrap_or_default();
     let kind = if record.photographs.is_some() { Kind::Photographs } else { Kind::Scan };
+    let mut settings = collection.settings(&record.id, kind)?;
+    settings.task.take_points(record.points);
     let job = Job {
         id: record.id.clone(),
         scan,
         output,
-        settings: collection.settings(&record.id, kind)?,
+        settings,
         limits: Limits::default().or_free(),
         threads,
         reuse: false,

@@ -78,7 +78,7 @@ pub struct BakeArgs {
     /// Find the smallest asset with a mean normal error, as seen, of at most DEG degrees: made from the scan, or the
     /// scan itself, packed. The search chooses triangles, vertex bits, normal map or none, sizes, formats and
     /// qualities by their cost [default, unless triangles, size or packing are given: the target of --preset, or the
-    /// limits of --require on angles and colours as seen, or `visually-lossless`]
+    /// limits of --require on angles and colours as seen, missed and hausdorff, or `visually-lossless`]
     #[arg(long, value_name = "DEG", value_parser = degrees, help_heading = "Search", conflicts_with_all = BY_HAND)]
     pub error: Option<f64>,
     /// Find the asset closest to the scan within SIZE bytes, such as 500kB. With --error, --preset or --require, an

@@ -87,6 +87,29 @@ fn requirements_are_judged_anew_without_a_bake() {
     assert_eq!(collection.report("").0, Some(0));
 }
 
+/// A limit between the mean and the bounds that 1,000 points leave: more points decide it.
+#[test]
+fn requirements_that_known_figures_leave_undecided_are_proved_again() {
+    let collection = Collection::of_balls(1);
+    collection.report("");
+    let address = text(&collection.last()["ball0.obj"], "/parts/0/address");
+    let path = format!("out/objects/{}/{address}/object.json", &address[..2]);
+    let object: Value = serde_json::from_slice(&std::fs::read(collection.path(&path)).unwrap()).unwrap();
+    let angles = "/figures/levels/0/overview/angles";
+    let [mean, high] =
+        ["summary/mean", "mean_interval/1"].map(|name| number(&object, &format!("{angles}/{name}")));
+    let limit = mean + 0.6 * (high - mean);
+    collection.configure(&format!("require = [\"mean-angle={limit}\"]\n{QUICK}"));
+    collection.report("");
+    let last = &collection.last()["ball0.obj"];
+    let bounds = [0, 1].map(|i| number(last, &format!("/required/0/interval/{i}")));
+    assert!(limit < bounds[0] || bounds[1] <= limit, "{limit} is undecided: {bounds:?}");
+    assert!(number(last, "/points") > 1000.0, "{last}");
+    assert_eq!(number(&collection.report("").1, "/attempts"), 0.0, "and it stays so");
+    let (code, report) = collection.report("--check --proofs 1");
+    assert!(report["faults"].as_array().is_some_and(Vec::is_empty) && code != Some(2), "{report}");
+}
+
 /// Rewrites all records as an earlier version of the program wrote them.
 fn age(collection: &Collection) {
     let path = collection.path("out/manifest.jsonl");

@@ -17,8 +17,8 @@ const AWAY: f32 = -0.5;
 /// Minimum number of pixels across the object: edges of modelled shapes may be as long as the object, and carry no
 /// information about its detail.
 const LEAST_PIXELS: f32 = 256.0;
-/// The angle used if the other surface shows nothing, in degrees.
-const NOTHING_DEG: f32 = 90.0;
+/// The angle used if the other surface shows nothing, or no normals, in degrees.
+pub(super) const NOTHING_DEG: f32 = 90.0;
 
 /// A visible point and its counterpart on the other surface.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -29,11 +29,13 @@ pub struct SurfaceSample {
     pub toward: Vec3,
     /// The triangle on the sampled surface.
     pub triangle: u32,
-    /// Degrees between the shown normals; 90 if the other surface shows nothing.
+    /// Degrees between the shown normals; 90 if the other surface shows nothing, or if the asset is unlit and the scan
+    /// is not.
     pub angle_deg: f32,
     /// CIEDE2000 between the base colours; NaN if colours are not compared, or if nothing is shown.
     pub color: f32,
-    /// `true` if the other surface shows nothing there, or another part of the object.
+    /// `true` if the other surface shows nothing there, or another part of the object; or if the asset is unlit there
+    /// and the scan is not, so that its relief is not shown.
     pub is_missing: bool,
     /// The distance to the closest point of the other surface, in model units.
     pub distance: f32,
@@ -124,9 +126,10 @@ impl<'a> Viewer<'a> {
         };
         if let Some(hit) = hit {
             let (seen, shown) = (look(own, point), look(other, hit.point()));
-            sample.angle_deg = seen.angle_deg(&shown);
+            let (of_scan, of_asset) = if self.is_of_scan { (&seen, &shown) } else { (&shown, &seen) };
+            sample.is_missing = of_scan.is_hidden_by(of_asset);
+            sample.angle_deg = if sample.is_missing { NOTHING_DEG } else { seen.angle_deg(&shown) };
             sample.color = if self.pair.has_material { seen.color_difference(&shown) } else { f32::NAN };
-            sample.is_missing = false;
         }
         Some(sample)
     }
@@ -182,7 +185,7 @@ impl CloseUp {
         Ok(Self { samples, hidden, points: count, is_of_scan: viewer.is_of_scan })
     }
 
-    /// Returns the share of the visible area at which the other surface shows nothing, or another part, [0, 1].
+    /// Returns the share of the visible area whose [`SurfaceSample::is_missing`] is `true`, [0, 1].
     pub fn missing(&self) -> f64 {
         let missing = self.samples.iter().filter(|sample| sample.is_missing).count();
         missing as f64 / self.samples.len().max(1) as f64

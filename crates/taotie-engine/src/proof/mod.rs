@@ -56,6 +56,8 @@ struct Look {
     normal: Vec3,
     color: Vec3,
     samples: u32,
+    /// Samples of unlit materials, which show no normals.
+    unlit: u32,
 }
 
 /// A point of a surface as seen by a viewer.
@@ -83,6 +85,14 @@ impl Look {
             self.color += surface.seen_material(at).color;
         }
         self.samples += 1;
+        self.unlit += u32::from(surface.surface().material(at.point.triangle).unlit);
+    }
+
+    /// Returns `true` if an asset's look hides the relief that this one of its scan shows: most of the asset's samples
+    /// are unlit, and most of the scan's are lit.
+    pub fn is_hidden_by(&self, asset: &Self) -> bool {
+        let is_unlit = |look: &Self| 2 * look.unlit > look.samples;
+        is_unlit(asset) && !is_unlit(self)
     }
 
     /// Returns the angle to another look's normal, in degrees; NaN if one of them saw nothing.

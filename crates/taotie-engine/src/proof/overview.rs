@@ -1,7 +1,7 @@
 //! Compares scan and asset as seen: the same pixels of both, from all sides; and repeats views of a surface with
 //! different images in its textures.
 
-use super::close_up::OUTLINE;
+use super::close_up::{NOTHING_DEG, OUTLINE};
 use super::statistics::Estimate;
 use super::{Look, Pair, Sample, Side};
 use crate::bake::{LookupPoint, Retextured, sphere_directions};
@@ -28,7 +28,7 @@ const STEEPEST: f32 = 4.0;
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct Overview {
-    /// Degrees between the mean normals of a pixel, excluding outlines.
+    /// Degrees between the mean normals of a pixel, excluding outlines; 90 if the asset is unlit and the scan is not.
     pub angles: Option<Estimate>,
     /// CIEDE2000 between the mean base colours of a pixel; `None` if colours are not compared.
     pub color: Option<Estimate>,
@@ -87,7 +87,7 @@ pub fn overview(pair: &Pair<'_>, picture: Picture) -> Result<Overview> {
 /// Differences at the same pixels.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PixelDifferences {
-    /// Degrees between the mean normals.
+    /// Degrees between the mean normals; 90 if the asset is unlit and the scan is not.
     pub angles: Vec<f32>,
     /// CIEDE2000 between the mean base colours, of the pixels that have any; empty if colours are not compared.
     pub colors: Vec<f32>,
@@ -182,7 +182,8 @@ fn difference(pair: &Pair<'_>, pixel: &Pixel) -> Compared {
             let scan = look(pair.scan, samples, pair.has_material);
             let asset = look(pair.asset, of_asset, pair.has_material);
             let color = if pair.has_material { scan.color_difference(&asset) } else { f32::NAN };
-            Compared::Both(scan.angle_deg(&asset), color)
+            let angle = if scan.is_hidden_by(&asset) { NOTHING_DEG } else { scan.angle_deg(&asset) };
+            Compared::Both(angle, color)
         }
         None => {
             let at = samples[0].at.point.position(pair.scan.surface.mesh());

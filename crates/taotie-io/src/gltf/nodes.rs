@@ -1,10 +1,10 @@
-//! The node hierarchy: world matrices, levels of detail (MSFT_lod), the nodes that the scene shows, the instances
-//! (EXT_mesh_gpu_instancing), cameras and lights (KHR_lights_punctual) that these place in the world, and the animations
+//! The node hierarchy: world matrices, levels of detail (MSFT_lod), the nodes that the scene shows
+//! (KHR_node_visibility), the instances (EXT_mesh_gpu_instancing), cameras and lights (KHR_lights_punctual) that these place in the world, and the animations
 //! that move nodes.
 
 use super::accessor::Accessor;
 use super::document::Document;
-use super::raw::INSTANCING;
+use super::raw::{INSTANCING, VISIBILITY};
 use crate::reading::{Reason, no_such};
 use gltf::json::animation::{Interpolation as JsonInterpolation, Property};
 use gltf::json::extensions::scene::khr_lights_punctual::{Light as JsonLight, Type as LightType};
@@ -33,8 +33,10 @@ pub(super) struct Nodes {
     pub instances: HashMap<usize, Range<usize>>,
     /// World matrix of each of [`Self::nodes`].
     pub world: Vec<Mat4>,
-    /// The nodes of the shown scene, parents before children.
+    /// The visible nodes of the shown scene, parents before children.
     pub shown: Vec<usize>,
+    /// The same, with the hidden ones.
+    pub placed: Vec<usize>,
     /// The number of levels of detail, at least 1.
     pub levels: usize,
     /// The screen coverage at which this level is first shown; `None` for the finest.
@@ -45,8 +47,8 @@ impl Nodes {
     /// Resolves the hierarchy of `document` at a level of detail; 0 is the finest.
     ///
     /// # Errors
-    /// Fails if a node is its own ancestor, a referenced node does not exist, a transform is not finite, or instances
-    /// cannot be read.
+    /// Fails if a node is its own ancestor, a referenced node does not exist, a transform is not finite, instances
+    /// cannot be read, or all nodes with a mesh are hidden.
     pub fn resolve(document: &Document, level: usize, warnings: &mut Warnings) -> Result<Self> {
         if !document.reading.take(document.root.nodes.len() as u64 * NODE) {
             document.reading.check()?;
@@ -60,13 +62,14 @@ impl Nodes {
                 Ok(Node { parent: parents[n], local, weights: Vec::new() })
             })
             .collect::<Result<Vec<_>>>()?;
-        let shown = shown(document, &parents, &levels)?;
+        let Placed { all: placed, shown } = Placed::of(document, &parents, &levels)?;
+        warnings.note("nodes hidden by KHR_node_visibility: left out", placed.len() - shown.len());
         let instances = add_instances(document, &shown, &mut nodes, warnings)?;
         let world = world_matrices(&nodes).map_err(|error| match error {
             Error::Invalid { what, why } => document.error(what, why),
             other => other,
         })?;
-        Ok(Self { nodes, instances, world, shown, levels: levels.count, coverage: levels.coverage })
+        Ok(Self { nodes, instances, world, shown, placed, levels: levels.count, coverage: levels.coverage })
     }
 }
 
@@ -213,32 +216,68 @@ impl<'a> Instances<'a> {
     }
 }
 
-/// Returns the nodes of the default scene, else of the first, else all trees, replaced according to the level of
-/// detail.
-fn shown(document: &Document, parents: &Parents, levels: &Levels) -> Result<Vec<usize>> {
+/// The nodes of a scene, parents before children.
+struct Placed {
+    all: Vec<usize>,
+    /// Those that are not hidden.
+    shown: Vec<usize>,
+}
+
+impl Placed {
+    /// Collects the nodes of the default scene, else of the first, else of all trees, replaced according to the level
+    /// of detail. A hidden node hides all below it.
+    ///
+    /// Source: KHR_node_visibility.
+    ///
+    /// # Errors
+    /// Fails if the scene or one of its nodes does not exist, or all nodes with a mesh are hidden.
+    fn of(document: &Document, parents: &Parents, levels: &Levels) -> Result<Self> {
+        let mut waiting: Vec<(usize, bool)> =
+            roots(document, parents)?.into_iter().rev().map(|node| (node, false)).collect();
+        let mut seen = vec![false; parents.len()];
+        let (mut all, mut shown) = (Vec::new(), Vec::new());
+        while let Some((replaced, is_below_hidden)) = waiting.pop() {
+            let node = levels.stand_in(replaced);
+            if std::mem::replace(&mut seen[node], true) {
+                continue;
+            }
+            let is_hidden = is_below_hidden || hides(document, replaced) || hides(document, node);
+            all.push(node);
+            shown.extend((!is_hidden).then_some(node));
+            let below: Vec<usize> = children(document, node).filter(|c| parents[*c] == Some(node)).collect();
+            waiting.extend(below.into_iter().rev().map(|node| (node, is_hidden)));
+        }
+        let has_mesh = |nodes: &[usize]| nodes.iter().any(|n| document.root.nodes[*n].mesh.is_some());
+        if has_mesh(&all) && !has_mesh(&shown) {
+            let why = format!(
+                "all that have a mesh are hidden ({VISIBILITY}); make them visible, and export again"
+            );
+            return Err(document.error("nodes", why));
+        }
+        Ok(Self { all, shown })
+    }
+}
+
+/// Returns the root nodes of the default scene, else of the first, else of all trees.
+fn roots(document: &Document, parents: &Parents) -> Result<Vec<usize>> {
     let root = &document.root;
     let scene = root.scene.map_or(0, |s| s.value());
-    let mut waiting: Vec<usize> = match root.scenes.get(scene) {
+    let roots: Vec<usize> = match root.scenes.get(scene) {
         Some(scene) => scene.nodes.iter().map(|n| n.value()).collect(),
         None if root.scene.is_some() => return Err(document.error("scene", no_such("scene", scene))),
         None => (0..parents.len()).filter(|n| parents[*n].is_none()).collect(),
     };
-    if let Some(node) = waiting.iter().find(|n| **n >= parents.len()) {
-        return Err(document.error(format!("scene {scene}"), no_such("node", *node)));
+    match roots.iter().find(|n| **n >= parents.len()) {
+        Some(node) => Err(document.error(format!("scene {scene}"), no_such("node", *node))),
+        None => Ok(roots),
     }
-    waiting.reverse();
-    let mut seen = vec![false; parents.len()];
-    let mut shown = Vec::new();
-    while let Some(node) = waiting.pop() {
-        let node = levels.stand_in(node);
-        if std::mem::replace(&mut seen[node], true) {
-            continue;
-        }
-        shown.push(node);
-        let below: Vec<usize> = children(document, node).filter(|c| parents[*c] == Some(node)).collect();
-        waiting.extend(below.into_iter().rev());
-    }
-    Ok(shown)
+}
+
+/// Returns `true` if a node states that it is hidden, with all below it.
+fn hides(document: &Document, node: usize) -> bool {
+    let extensions = document.root.nodes[node].extensions.as_ref();
+    let visible = extensions.and_then(|all| all.others.get(VISIBILITY)?.get("visible")?.as_bool());
+    visible == Some(false)
 }
 
 /// The nodes shown at one level of detail.
@@ -296,10 +335,10 @@ fn coarser(document: &Document, node: usize, warnings: &mut Warnings) -> Vec<usi
     found
 }
 
-/// Returns the cameras of the shown nodes, with the nodes. One that cannot be used is skipped with a warning.
+/// Returns the cameras of all nodes, hidden ones too, with the nodes. One that cannot be used is skipped with a warning.
 pub(super) fn cameras(document: &Document, nodes: &Nodes, warnings: &mut Warnings) -> Vec<(usize, Camera)> {
     let mut cameras = Vec::new();
-    for node in &nodes.shown {
+    for node in &nodes.placed {
         let json = &document.root.nodes[*node];
         let Some(index) = json.camera.map(|c| c.value()) else { continue };
         let camera = document.root.cameras.get(index).ok_or_else(|| no_such("camera", index));

@@ -337,6 +337,9 @@ pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
 /// The extension that shows a node's mesh several times.
 pub(crate) const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 
+/// The extension that hides nodes, with all below them.
+pub(super) const VISIBILITY: &str = "KHR_node_visibility";
+
 /// The glTF extensions that are read: first those of layers.
 pub const GLTF_EXTENSIONS: [&str; LAYERS.len() + OTHERS.len()] = {
     let (mut all, mut i) = ([""; LAYERS.len() + OTHERS.len()], 0);
@@ -348,7 +351,7 @@ pub const GLTF_EXTENSIONS: [&str; LAYERS.len() + OTHERS.len()] = {
 };
 
 /// Those that are not layers of materials.
-const OTHERS: [&str; 14] = [
+const OTHERS: [&str; 15] = [
     "KHR_lights_punctual",
     "KHR_texture_transform",
     "KHR_mesh_quantization",
@@ -357,6 +360,7 @@ const OTHERS: [&str; 14] = [
     "KHR_materials_ior",
     "KHR_materials_variants",
     INSTANCING,
+    VISIBILITY,
     "EXT_texture_avif",
     "EXT_texture_webp",
     "KHR_texture_basisu",

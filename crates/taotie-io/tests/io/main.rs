@@ -35,6 +35,7 @@ mod gltf_sizes;
 mod gltf_textures;
 #[cfg(feature = "webp")]
 mod gltf_validator;
+mod gltf_visibility;
 mod gltf_write;
 mod gltf_write_material;
 mod limits;

@@ -5,7 +5,7 @@ use crate::pairs::{
     Fate, ball, changed, copy_of, direction, grid, is_bad, is_sound, joined, lettered_pair, lettering, moved,
     proof, remade, repainted, reshaped, scan_of, turned, with_fates, with_part,
 };
-use taotie::asset::{BakeOptions, Baker, Lod, Scan};
+use taotie::asset::{BakeOptions, Baker, Figure, Lod, Requirement, Scan};
 use taotie_engine::Progress;
 use taotie_engine::math::{Vec3, integration};
 use taotie_engine::mesh::MeshData;
@@ -47,6 +47,35 @@ fn a_normal_map_whose_channels_are_wrong() {
 #[test]
 fn a_normal_map_that_is_lost() {
     has_wrong_normals(&changed(&lettered_pair().1, |data| data.materials[0].normal = None));
+}
+
+/// An unlit surface shows its base colour and no normals, whatever its map stores.
+#[test]
+fn a_material_that_is_unlit() {
+    let unlit = changed(&lettered_pair().1, |data| data.materials[0].unlit = true);
+    let proof =
+        is_bad(&unlit, &lettered_pair().0, (&["missed", "mean-angle"], "no counterpart on the asset"));
+    let what = "unlit look (KHR_materials_unlit), on 100.0 % of the asset's surface and 0.0 % of the scan's";
+    assert!(proof.warnings.iter().any(|(warning, _)| warning.starts_with(what)), "{:?}", proof.warnings);
+    assert!(proof.figures.unseen.iter().any(|own| own == what), "{:?}", proof.figures.unseen);
+    // An unlit scan lacks nothing on an asset that is unlit too, or lit: only the latter is another look.
+    let scan = Scan::from_scene(unlit.clone(), Progress::SILENT).unwrap();
+    let names_it =
+        |asset: &Scene| is_sound(asset, &scan).figures.unseen.iter().any(|own| own.contains("unlit"));
+    assert_eq!([&unlit, &lettered_pair().1].map(names_it), [false, true]);
+}
+
+/// Angles compare what both show, so every set needs limits for lost parts.
+#[test]
+fn a_lost_part_fails_every_named_set() {
+    let (scan, asset) = lettered_pair();
+    let open = with_fates(asset, |_, middle| if middle.y > 0.95 { Fate::Removed } else { Fate::Kept });
+    let figures = proof(&open, scan, Vec::new()).figures;
+    for set in ["standard", "visually-lossless", "web", "archive", "engine"] {
+        let met = figures.evaluate(&Requirement::read(set).unwrap());
+        let fails = |figure: Figure| met.iter().any(|met| met.figure == figure && !met.met);
+        assert!(fails(Figure::Missed) && fails(Figure::Hausdorff), "{set}: {met:?}");
+    }
 }
 
 #[test]

@@ -100,9 +100,9 @@ pub struct BakeOptions {
     /// rather than from its triangles; not with `low`. A search then leaves the packed scan out.
     pub remesh: bool,
     /// Finds the smallest asset in bytes that meets these requirements, as far as they concern visible angles and
-    /// colours; for whichever of the two they do not mention, [`Requirement::visually_lossless`] applies. The asset
-    /// may have a normal map or none, or be the scan itself, packed. `triangles`, `size` and the packing are then
-    /// ignored.
+    /// colours, missed surface and the Hausdorff distance; if they do not mention angles or colours,
+    /// [`Requirement::visually_lossless`] applies to these. The asset may have a normal map or none, or be the scan
+    /// itself, packed. `triangles`, `size` and the packing are then ignored.
     #[serde(with = "requirement::optional")]
     pub goal: Option<Vec<Requirement>>,
     /// Finds the asset closest to the scan, by the limits of `goal`, within this number of bytes, including metadata.

@@ -180,7 +180,8 @@ pub struct WorstPatches {
     pub color: Option<Patch>,
 }
 
-/// Surface that one of the two shows and the other lacks, as shares of area, [0, 1].
+/// Surface that one of the two shows and the other lacks, as shares of area, [0, 1]. Surface on which only the asset is
+/// unlit (KHR_materials_unlit) counts as lacking on both: it does not show the scan's relief.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct Coverage {
@@ -235,7 +236,8 @@ pub(super) struct AskedLimits {
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct Beyond {
-    /// Limits of the angle between normals, degrees; surface that the other one lacks counts as 90.
+    /// Limits of the angle between normals, degrees; surface that the other one lacks counts as 90, as does surface
+    /// on which only the asset is unlit.
     pub angle: Option<Exceedance>,
     /// Limits of the difference of base colours, CIEDE2000; `None` if colours are not compared.
     pub color: Option<Exceedance>,

@@ -8,8 +8,10 @@ use crate::asset::ask::{Figure, Requirement};
 use crate::asset::bake::{INSIDE_OUT, percent, useless_map};
 use crate::asset::source::{Property, is_plain, used_materials};
 use crate::asset::write::MapNote;
+use taotie_engine::bake::TexturedMesh;
 use taotie_engine::error::Warnings;
 use taotie_engine::length::{Unit, place_text, texel_text};
+use taotie_engine::math::Vec3;
 use taotie_engine::names::Named;
 use taotie_engine::proof::Mismatch;
 use taotie_engine::scene::{LAYERS, Scene, Specular};
@@ -35,12 +37,46 @@ pub(super) fn note_whole(all: &Figures, level: &ShownLevel<'_>, warnings: &mut W
                     default that viewers show";
         warnings.note(what, 1);
     }
+    if let Some(what) = unlit(level) {
+        warnings.note(
+            format!("{what}; where only the asset is, its relief is not shown and counts as missed"),
+            1,
+        );
+    }
     if level.parts.iter().any(|part| part.has_relief)
         && let (Some(with), Some(without)) = (&figures.surface_angles, &figures.without_map)
         && let Some(what) = useless_map(with, without)
     {
         warnings.note(what, 1);
     }
+}
+
+/// Describes on how much of their surfaces an asset and its scan are unlit; `None` if on the same share.
+pub(super) fn unlit(level: &ShownLevel<'_>) -> Option<String> {
+    let [asset, scan] = [level.surface.surface(), level.scan().surface()].map(unlit_share);
+    ((asset - scan).abs() > WORTH_A_WORD).then(|| {
+        format!(
+            "unlit look (KHR_materials_unlit), on {} of the asset's surface and {} of the scan's",
+            percent(asset),
+            percent(scan)
+        )
+    })
+}
+
+/// Returns the share of the area that is unlit, [0, 1].
+fn unlit_share(surface: &TexturedMesh) -> f64 {
+    let triangles = 0..surface.mesh().triangles().len() as u32;
+    let is_unlit = |t: &u32| surface.material(*t).unlit;
+    if !triangles.clone().any(|t| is_unlit(&t)) {
+        return 0.0;
+    }
+    let area = |t: u32| {
+        let [a, b, c] = surface.mesh().corners(t as usize).map(Vec3::to_f64);
+        (b - a).cross(c - a).length()
+    };
+    let all: f64 = triangles.clone().map(area).sum();
+    let unlit: f64 = triangles.filter(is_unlit).map(area).sum();
+    if all > 0.0 { unlit / all } else { 0.0 }
 }
 
 /// Notes where an asset differs from its scan, which requirements are not met there, and other differences of its

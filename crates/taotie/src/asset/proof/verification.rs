@@ -207,10 +207,12 @@ fn prove(shown: Shown, scan: Scan, options: &VerifyOptions, progress: Progress<'
         }
     };
     let close_ups = close_ups(&figures, &finest, options.patch_view)?;
+    let unlit = findings::unlit(&finest);
     drop(finest);
     let views = progress.begin("compare views")?;
     let scan = scan.into_scene()?;
     figures.unseen = unseen([&scan, &scenes[0]], poses);
+    figures.unseen.extend(unlit);
     let mut looks = pictures::take(scan, scenes, Wanted { side: options.view, close_ups }, views)?;
     if !has_material {
         looks.full.clear();
