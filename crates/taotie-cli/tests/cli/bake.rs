@@ -450,8 +450,13 @@ fn the_smallest_that_is_near_enough() {
     let place = Place::with("scan.obj", SCAN.obj());
     let report = place.json("bake scan.obj -o out.glb --error 1 --json");
     let trials = report["trials"].as_array().unwrap();
-    let is_near = |trial: &&Value| number(trial, "/mean_angle") <= 1.0;
-    assert!(trials.iter().all(|trial| trial["is_near"] == is_near(&trial)), "{trials:?}");
+    let is_near = |trial: &&Value| trial["is_near"] == true;
+    // The means are those of some pixels, so those close to the limit are not certain to meet it.
+    let agrees = |trial: &Value| match number(trial, "/mean_angle") {
+        mean if is_near(&trial) => mean < 1.0,
+        mean => mean > 0.97,
+    };
+    assert!(trials.iter().all(agrees), "{trials:?}");
     let near = trials.iter().filter(is_near);
     let best = near.min_by_key(|trial| trial["bytes"].as_u64()).expect("one is close enough");
     assert_eq!(
