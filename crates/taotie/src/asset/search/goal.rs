@@ -98,7 +98,12 @@ impl Goal {
         let factor = (least_mean(&angles) / least_mean(&of(&lossless, &ANGLES))).max(1.0);
         let [colors, numbers] = MOST_FACTORS.map(|most| factor.min(most));
         let missed = requirements.iter().filter(|required| required.figure == Figure::Missed);
-        let of_level = missed.filter(|required| required.level.is_none_or(|of| of == level));
+        // Coarser levels are never seen close up, where the proof judges it, unless a requirement names them.
+        let is_judged = |required: &&Requirement| match required.level {
+            Some(of) => of == level,
+            None => level == 0,
+        };
+        let of_level = missed.filter(is_judged);
         let missing = of_level.map(|required| required.most.max(LEAST)).fold(MISSING, f64::min);
         Self { angles, colors: required(&COLORS, colors), numbers: times(&NUMBERS, numbers), missing }
     }
