@@ -38,8 +38,8 @@ pub enum State {
     Failed,
 }
 
-/// The most points of a proof.
-const MOST_POINTS: usize = 4_000_000;
+/// The most points of a proof: with them it needs about 50 MB more than the memory estimate, which is for the default.
+const MOST_POINTS: usize = 500_000;
 
 /// Returns the number of points that is likely to decide the undecided requirements of a proof with `points`; `None`
 /// if none is undecided, or no number would decide them. Intervals shrink with the square root of the number.

@@ -41,6 +41,11 @@ impl TryFrom<[f64; 3]> for Circle {
     type Error = String;
 
     fn try_from([x, y, radius]: [f64; 3]) -> Result<Self, String> {
+        if ![x, y, radius].iter().all(|v| v.is_finite()) {
+            return Err(format!(
+                "circle `{x},{y},{radius}` is not finite: give its centre and radius in pixels"
+            ));
+        }
         match radius < LEAST_RADIUS {
             true => {
                 Err(format!("circle `{x},{y},{radius}` is too small: its radius must be at least 8 pixels"))

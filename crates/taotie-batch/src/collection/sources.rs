@@ -154,11 +154,9 @@ impl Search<'_> {
                 },
             };
             let Some((kind, path)) = marks.object(path, root) else { continue };
-            let id = match slashed(path.strip_prefix(root).unwrap_or(&path)) {
-                id if id.is_empty() => name_of_folder(&path),
-                id => id,
-            };
-            if is_wanted(&id) && !is_own(&path) {
+            let below = slashed(path.strip_prefix(root).unwrap_or(&path));
+            if is_wanted(&below) && !is_own(&path) {
+                let id = if below.is_empty() { name_of_folder(&path) } else { below };
                 self.add(Scan { id, kind, path, title: None })?;
             }
         }
@@ -200,7 +198,8 @@ impl Search<'_> {
         let depth = if is_deep { usize::MAX } else { rest.components().count() };
         let before = self.found.len();
         if root.is_dir() {
-            let is_wanted = |id: &str| Override::covers(&wanted, id);
+            // A pattern is for what is below its root.
+            let is_wanted = |below: &str| !below.is_empty() && Override::covers(&wanted, below);
             // The files of a folder that matches are one level further down.
             let depth = depth.saturating_add(1);
             let marks = Marks::ModelsAndLights;

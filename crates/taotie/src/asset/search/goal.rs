@@ -38,6 +38,8 @@ pub(super) struct Goal {
     numbers: Vec<Limit>,
     /// The maximum share of the scan's pixels in which an asset lacks it.
     missing: f64,
+    /// The factor on limits of shape, at most 1.
+    pub shape: f64,
 }
 
 /// A limit of a statistic of differences.
@@ -105,7 +107,13 @@ impl Goal {
         };
         let of_level = missed.filter(is_judged);
         let missing = of_level.map(|required| required.most.max(LEAST)).fold(MISSING, f64::min);
-        Self { angles, colors: required(&COLORS, colors), numbers: times(&NUMBERS, numbers), missing }
+        Self {
+            angles,
+            colors: required(&COLORS, colors),
+            numbers: times(&NUMBERS, numbers),
+            missing,
+            shape: 1.0,
+        }
     }
 
     /// Returns the requirements that a search takes into account; those of [`Requirement::visually_lossless`] if there are none
@@ -115,17 +123,20 @@ impl Goal {
             |required: &Requirement| [Figure::Missed, Figure::Hausdorff].contains(&required.figure);
         let is_decided = |required: &&Requirement| Limit::of(required).is_some() || of_shape(required);
         let decided: Vec<Requirement> = requirements.iter().filter(is_decided).copied().collect();
-        match decided.iter().all(of_shape) {
-            true => [Requirement::visually_lossless(), decided].concat(),
-            false => decided,
+        if !decided.iter().all(of_shape) {
+            return decided;
         }
+        let mut lossless = Requirement::visually_lossless();
+        lossless.retain(|own| decided.iter().all(|required| required.figure != own.figure));
+        [lossless, decided].concat()
     }
 
-    /// Returns the goal with all limits of differences multiplied by `factor`.
+    /// Returns the goal with all limits of differences multiplied by `factor`; those of shape only if that is stricter.
     pub fn times(&self, factor: f64) -> Self {
         let [angles, colors, numbers] =
             [&self.angles, &self.colors, &self.numbers].map(|limits| times(limits, factor));
-        Self { angles, colors, numbers, ..*self }
+        let shape = factor.min(1.0);
+        Self { angles, colors, numbers, missing: self.missing * shape, shape }
     }
 
     /// Returns the largest ratios of differences, in ascending order, to the limits of angles and of colours; `None`

@@ -21,10 +21,10 @@ use taotie_io::{
 /// The number of pixels at which a trial is measured if the object fills the picture of the finest level.
 const PIXELS: usize = 20_000;
 
-/// The number of pixels for trials whose ratio to a limit differs from 1 by less than [`NEAR_LIMIT`]: the proof also
-/// uses more pixels until it is certain.
+/// The number of pixels for trials whose ratio to a limit is near 1: the proof also uses more pixels until it is certain.
 const FINE_PIXELS: usize = 60_000;
-const NEAR_LIMIT: f64 = 0.04;
+/// Ratios near 1: wider above, since they include the uncertainty of few pixels.
+const NEAR_LIMIT: std::ops::Range<f64> = 0.96..1.1;
 
 /// The mean angle lost by rounding normals to 8 bits, degrees; each additional bit halves it.
 const ANGLE_OF_8_BITS: f64 = 0.26;
@@ -379,7 +379,7 @@ impl<'a> Workshop<'a> {
         let diagonal = scan.surface.mesh().diagonal() as f32;
         let pair = proof::Pair { scan, asset: &asset, diagonal, has_material: self.has_material };
         let mut found = self.seen(&pair, PIXELS);
-        if (found.ratio() - 1.0).abs() < NEAR_LIMIT {
+        if NEAR_LIMIT.contains(&found.ratio()) {
             found = self.seen(&pair, FINE_PIXELS);
         }
         if found.ratio() <= 1.0 && self.farthest.is_finite() {
@@ -399,7 +399,7 @@ impl<'a> Workshop<'a> {
     fn distance_ratio(&self, pair: &proof::Pair<'_>) -> f64 {
         /// The part of the limit that distances of points may reach; those between are farther.
         const PART: f64 = 0.95;
-        let most = self.farthest * PART;
+        let most = self.farthest * self.goal.shape * PART;
         proof::stray(pair, most as f32).map_or(0.0, |distance| f64::from(distance) / most)
     }
 }
