@@ -68,7 +68,7 @@ enum Command {
     Bake(Box<bake::BakeArgs>),
     /// Compares an asset, made with any program, with its scan.
     Verify(Box<verify::VerifyArgs>),
-    /// Bakes a collection, and estimates normals from its photographs: nothing twice.
+    /// Bakes the scans of a collection, and estimates normals from its photographs.
     Batch(Box<batch::BatchArgs>),
     /// Does the job given on stdin, for `taotie batch`.
     #[command(name = batch::WORKER, hide = true)]

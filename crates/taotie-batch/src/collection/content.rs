@@ -106,7 +106,7 @@ pub struct Made {
 pub struct Source {
     /// A folder: every model in it, and every folder with a file of lights, at any depth.
     pub folder: Option<PathBuf>,
-    /// A folder: every folder in it with photographs, at any depth, whatever shows their lights.
+    /// A folder: every folder in it with photographs, at any depth, however their lights are known.
     pub photographs: Option<PathBuf>,
     /// A path pattern.
     pub glob: Option<String>,

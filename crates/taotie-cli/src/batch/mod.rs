@@ -32,7 +32,7 @@ collection.toml specifies scans and folders of photographs, and what to make fro
 assets are not made again, so an interrupted run continues where it stopped. Exit codes: 0 all done, 1 a requirement is not met, 2 an \
 asset failed or was refused.";
 
-/// Bakes a collection, and estimates normals from its photographs: nothing twice.
+/// Bakes the scans of a collection, and estimates normals from its photographs.
 #[derive(Args)]
 #[command(before_help = EXAMPLES)]
 pub struct BatchArgs {

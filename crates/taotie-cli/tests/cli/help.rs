@@ -16,7 +16,7 @@ Commands:
   compare      Renders a model with several surface methods and measures their error
   bake         Bakes a high-poly scan to low-poly glTF with a normal map, and measures the error
   verify       Compares an asset, made with any program, with its scan
-  batch        Bakes a collection, and estimates normals from its photographs: nothing twice
+  batch        Bakes the scans of a collection, and estimates normals from its photographs
   inspect      Lists the content of a model file and its defects
   normals      Makes normal maps from height maps, and converts normal maps
   photometric  Estimates normals from photographs, each with its uncertainty in degrees

@@ -2,7 +2,7 @@
 
 use crate::pairs::{
     Fate, ball, copy_of, direction, grid, is_bad, is_sound, joined, lettered_pair, lettering, made, mesh,
-    moved, onto, remade, scan_of, turned, with_fates, with_part,
+    moved, onto, proof, remade, scan_of, turned, with_fates, with_part,
 };
 use taotie::asset::{BakeOptions, Baker, Figure, Requirement, Scan};
 use taotie_engine::Progress;
@@ -138,10 +138,9 @@ fn what_a_search_makes_for_standard() {
     };
     let scan = scan_of(joined([ball([160, 80], lettering)].into_iter().chain((0..5).map(pearl))));
     for more in [Vec::new(), vec![Requirement::of(Figure::P95Angle, 2.5)]] {
-        let goal = Some([Requirement::standard(), more.clone()].concat());
-        let asset = Baker::new(BakeOptions { goal, ..BakeOptions::default() });
-        let asset = asset.bake(&scan, Progress::SILENT).unwrap();
-        let proof = is_sound(&asset, &scan);
-        proof.require(&more).unwrap();
+        let goal = [Requirement::standard(), more].concat();
+        let baker = Baker::new(BakeOptions { goal: Some(goal.clone()), ..BakeOptions::default() });
+        let asset = baker.bake(&scan, Progress::SILENT).unwrap();
+        proof(&asset, &scan, goal.clone()).require(&goal).unwrap();
     }
 }
