@@ -18,9 +18,6 @@ const MANY: usize = 350_000;
 const WIDEST: f32 = 3.0;
 /// The bounds narrow in proportion if more points than these are examined.
 const POINTS: f32 = 20_000.0;
-/// The maximum number of triangles of a surface whose centroids are examined by [`stray`]: enough to find parts of a
-/// dozen triangles among a million.
-const STRAY_POINTS: usize = 100_000;
 /// Maximum number of triangles of the other surface with which a cluster of triangles is compared.
 const MOST_NEAR: usize = 768;
 /// Maximum number of times a triangle is subdivided before its pieces are bounded in order of distance.
@@ -54,7 +51,7 @@ pub fn hausdorff(pair: &Pair<'_>, close_ups: [&CloseUp; 2], points: usize) -> Di
     })
 }
 
-/// Returns the largest distance of a visible point from the other surface, of up to 100,000 points of each, in model
+/// Returns the largest distance of a visible point from the other surface, of up to 20,000 points of each, in model
 /// units; `None` if all are within `limit`. Much faster than [`hausdorff`], which also knows the points between.
 pub fn stray(pair: &Pair<'_>, limit: f32) -> Option<f32> {
     let sides = [(pair.scan, pair.asset.surface), (pair.asset, pair.scan.surface)];
@@ -63,7 +60,7 @@ pub fn stray(pair: &Pair<'_>, limit: f32) -> Option<f32> {
 
 fn stray_from(from: &Scan, to: &Scan, limit: f32) -> Option<f32> {
     let mesh = from.mesh();
-    let step = mesh.triangles().len().div_ceil(STRAY_POINTS).max(1);
+    let step = mesh.triangles().len().div_ceil(POINTS as usize).max(1);
     let distance = |i: usize| {
         let at = Point { triangle: (i * step) as u32, weights: [1.0 / 3.0; 3] };
         let place = blend(mesh.corners(i * step), at.weights);
