@@ -42,19 +42,14 @@ pub enum State {
 const MOST_POINTS: usize = 500_000;
 
 /// Returns the number of points that is likely to decide the undecided requirements of a proof with `points`; `None`
-/// if none is undecided, or no number would decide them. Intervals shrink with the square root of the number.
+/// if none is undecided, or no number would decide them.
 pub fn points_to_decide(required: &[RequirementOutcome], points: usize) -> Option<usize> {
     /// The safety factor, since intervals are estimates.
     const MARGIN: f64 = 1.5;
-    let factor = |met: &RequirementOutcome| {
-        let ([low, high], value) = (met.interval?, met.value?);
-        let ratio = (high - low) / 2.0 / (value - met.most).abs().max(f64::MIN_POSITIVE);
-        Some((ratio * ratio).max(2.0) * MARGIN)
-    };
-    let undecided = required.iter().filter(|met| met.is_undecided());
-    let wanted = points as f64 * undecided.filter_map(factor).reduce(f64::max)?;
-    let most = MOST_POINTS as f64;
-    (points < MOST_POINTS && wanted <= 4.0 * most).then_some(wanted.min(most) as usize)
+    let times = required.iter().map(RequirementOutcome::samples_to_decide).fold(1.0, f64::max);
+    let (wanted, most) = (points as f64 * times * MARGIN, MOST_POINTS as f64);
+    let can_decide = times > 1.0 && points < MOST_POINTS && wanted <= 4.0 * most;
+    can_decide.then_some(wanted.min(most) as usize)
 }
 
 /// An attempt at an asset.

@@ -52,6 +52,10 @@ fn baked(low: &Mesh, (scan, cage): (&Scan, &Cage), settings: BakeSettings) -> Ba
     bake(BakeInput { low, cage, scan }, &settings, Progress::SILENT).unwrap().maps
 }
 
+fn check<'a>(low: &'a Mesh, (scan, cage): (&'a Scan, &'a Cage)) -> MapCheck<'a> {
+    MapCheck { low, cage, scan, isolated: false, sky_distance: None, bevel_radius: None, roughness: None }
+}
+
 /// Returns the value of a plane in the texel at a uv.
 fn value(maps: &BakedMaps, plane: Plane, uv: Vec2) -> Vec3 {
     let [x, y] = [uv.x, uv.y].map(|v| ((v * SIDE as f32) as usize).min(SIDE as usize - 1));
@@ -91,15 +95,7 @@ fn errors_are_small_and_spoiled_maps_are_found() {
     let near = BakeSettings { sky_distance: Some(0.05), maps: of_sky, ..settings };
     let near = baked(&low, (&scan, &cage), near);
     let extent = scan.mesh().vertical_extent();
-    let check = MapCheck {
-        low: &low,
-        cage: &cage,
-        scan: &scan,
-        isolated: false,
-        sky_distance: None,
-        bevel_radius: None,
-        roughness: None,
-    };
+    let check = check(&low, (&scan, &cage));
     let stored = |kind: MapKind, maps: &BakedMaps, uv: Vec2| {
         let v = value(maps, kind.planes()[0], uv);
         match kind {
@@ -176,15 +172,7 @@ fn a_single_component_is_compared_with_that_of_the_scan() {
     for space in [NormalSpace::Tangent, NormalSpace::Object] {
         let maps = kinds.into_iter().collect();
         let maps = baked(&low, (&scan, &cage), BakeSettings { maps, space, ..BakeSettings::default() });
-        let check = MapCheck {
-            low: &low,
-            cage: &cage,
-            scan: &scan,
-            isolated: false,
-            sky_distance: None,
-            bevel_radius: None,
-            roughness: None,
-        };
+        let check = check(&low, (&scan, &cage));
         let error = |kind: MapKind, component: usize, stored: usize| {
             let plane = kind.planes()[0];
             let value = |uv: Vec2| Vec3::splat(value(&maps, plane, uv).to_array()[stored]);
@@ -223,15 +211,7 @@ fn the_reference_of_occlusion_has_little_noise() {
     let scan = scan(vec![floor, wall]);
     let low = rectangle(z * -1.0, [z * 2.0, x * 2.0]);
     let cage = Cage::automatic(&low, &scan);
-    let check = MapCheck {
-        low: &low,
-        cage: &cage,
-        scan: &scan,
-        isolated: false,
-        sky_distance: None,
-        bevel_radius: None,
-        roughness: None,
-    };
+    let check = check(&low, (&scan, &cage));
     let open = |uv: Vec2| {
         let d = uv.y * 2.0;
         Vec3::splat((1.0 + d / (d * d + 1.0).sqrt()) / 2.0)
@@ -255,15 +235,7 @@ fn isolated_objects_are_not_shaded_by_others() {
     let maps = [MapKind::Occlusion, MapKind::Thickness].into_iter().collect();
     let of = |isolated: bool| {
         let maps = baked(&low, (&scan, &cage), BakeSettings { maps, isolated, ..BakeSettings::default() });
-        let check = MapCheck {
-            low: &low,
-            cage: &cage,
-            scan: &scan,
-            isolated,
-            sky_distance: None,
-            bevel_radius: None,
-            roughness: None,
-        };
+        let check = MapCheck { isolated, ..check(&low, (&scan, &cage)) };
         let value = |uv: Vec2| value(&maps, Plane::Occlusion, uv);
         let map = StoredMap {
             kind: MapKind::Occlusion,

@@ -64,7 +64,7 @@ impl RequirementOutcome {
 
     /// Returns the factor by which to increase the samples so that they are likely to decide the requirement, since
     /// intervals shrink with the square root of their number: at least 2, or 1 if it is decided.
-    pub(super) fn samples_to_decide(&self) -> f64 {
+    pub fn samples_to_decide(&self) -> f64 {
         let (Some(value), Some([low, high]), true) = (self.value, self.interval, self.is_undecided()) else {
             return 1.0;
         };

@@ -23,6 +23,7 @@ use taotie_engine::image::{Encoding, Texture};
 use taotie_engine::length::Unit;
 use taotie_engine::math::{Vec2, Vec3};
 use taotie_engine::mesh::Point;
+use taotie_engine::pixel::occluded;
 use taotie_engine::progress::Progress;
 use taotie_engine::proof::{Footprint, MapCheck, MapError, StoredMap};
 use taotie_engine::scene::{GreenChannel, NormalSpace, Scene};
@@ -471,7 +472,7 @@ fn occlusion_error(
         let open = used.map_or(1.0, |(texture, strength)| {
             let at = texture.transform.apply(uv);
             let [red, ..] = texture.sampler.sample(&shown.textures()[texture.texture], at, 0.0);
-            1.0 + strength * (red - 1.0)
+            occluded(red, strength)
         });
         Vec3::splat(open)
     };

@@ -255,7 +255,8 @@ impl<'a> Workshop<'a> {
     /// Returns the mean visible angle of a mesh with only its vertex normals, degrees.
     fn angle(&self, Simplified { mesh, .. }: &Simplified) -> Result<f64> {
         let read = self.read_back(encoded_mesh(mesh, &GltfFormat::default())?)?;
-        let seen = self.differences(&read.surface).seen;
+        let asset = Side::of(&read.surface);
+        let Differences { seen, .. } = self.seen(&self.pair(&asset));
         Ok(Statistic::Mean.of(&seen.angles).unwrap_or(f64::INFINITY))
     }
 
@@ -374,25 +375,33 @@ impl<'a> Workshop<'a> {
 
     /// Compares a surface with the scan.
     fn differences(&self, surface: &bake::Scan) -> Differences {
-        let scan = self.subject.side;
         let asset = Side::of(surface);
-        let diagonal = scan.surface.mesh().diagonal() as f32;
-        let pair = proof::Pair { scan, asset: &asset, diagonal, has_material: self.has_material };
-        let mut found = self.seen(&pair, PIXELS);
-        if NEAR_LIMIT.contains(&found.ratio()) {
-            found = self.seen(&pair, FINE_PIXELS);
-        }
+        let pair = self.pair(&asset);
+        let mut found = self.seen(&pair);
         if found.ratio() <= 1.0 && self.farthest.is_finite() {
             found.angle_ratio = found.angle_ratio.max(self.distance_ratio(&pair));
         }
         found
     }
 
-    /// Compares random pixels.
-    fn seen(&self, pair: &proof::Pair<'_>, pixels: usize) -> Differences {
-        let seen = proof::pixel_differences(pair, self.subject.level.picture(pixels)).sorted();
-        let (angle_ratio, color_ratio) = self.goal.ratios(&seen);
-        Differences { seen, angle_ratio, color_ratio }
+    fn pair<'p>(&self, asset: &'p Side<'p>) -> proof::Pair<'p>
+    where
+        'a: 'p,
+    {
+        let scan = self.subject.side;
+        let diagonal = scan.surface.mesh().diagonal() as f32;
+        proof::Pair { scan, asset, diagonal, has_material: self.has_material }
+    }
+
+    /// Compares random pixels: more of them if a ratio to a limit is near 1.
+    fn seen(&self, pair: &proof::Pair<'_>) -> Differences {
+        let of_pixels = |count: usize| {
+            let seen = proof::pixel_differences(pair, self.subject.level.picture(count)).sorted();
+            let (angle_ratio, color_ratio) = self.goal.ratios(&seen);
+            Differences { seen, angle_ratio, color_ratio }
+        };
+        let found = of_pixels(PIXELS);
+        if NEAR_LIMIT.contains(&found.ratio()) { of_pixels(FINE_PIXELS) } else { found }
     }
 
     /// Returns the ratio of the largest distance between visible points of the surfaces to its limit; 0 if it is within.

@@ -461,13 +461,9 @@ impl StoredValues {
     /// Returns the number that a code of a packed channel stores.
     fn packed_value(&self, code: f32, map: MapChannel) -> f32 {
         let value = self.meaning.number(if map.is_inverted { 1.0 - code } else { code });
-        match map.quantity.component() {
-            None => value,
-            Some(0) => value * self.brightest + self.origin.x,
-            Some(1) if self.green == GreenChannel::Down => -value,
-            Some(1) => value * self.brightest + self.origin.y,
-            Some(_) => value * self.brightest + self.origin.z,
-        }
+        let Some(component) = map.quantity.component() else { return value };
+        let value = if component == 1 && self.green == GreenChannel::Down { -value } else { value };
+        value * self.brightest + self.origin.to_array()[component]
     }
 }
 
