@@ -138,6 +138,27 @@ struct Coarse {
     images: Vec<Vec<f32>>,
 }
 
+/// A cell in attached shadow in one photograph.
+struct Shadow {
+    /// The indirect light of a factor of 1.
+    expected: f64,
+    /// The light that it has.
+    grey: f64,
+}
+
+/// Returns the factor that minimises the sum of |grey − factor · expected|: the weighted median of their ratios. Single
+/// lit pixels of rough cells, which are much brighter than indirect light, do not affect it.
+fn factor(shadows: &mut [Shadow]) -> f64 {
+    shadows.sort_unstable_by(|a, b| f64::total_cmp(&(a.grey * b.expected), &(b.grey * a.expected)));
+    let half = 0.5 * shadows.iter().map(|shadow| shadow.expected).sum::<f64>();
+    let mut below = 0.0;
+    let median = shadows.iter().find(|shadow| {
+        below += shadow.expected;
+        below >= half
+    });
+    median.map_or(0.0, |shadow| shadow.grey / shadow.expected)
+}
+
 /// Light between cells.
 struct Light {
     /// The mean of the fitted vectors that each cell sees.
@@ -202,32 +223,28 @@ impl Coarse {
         let lengths: Vec<f64> = direct.iter().map(|b| b.length()).collect();
         let typical = quantile(lengths.clone(), 0.5);
         let bright = quantile(lengths.clone(), BRIGHT).max(f64::MIN_POSITIVE);
-        // Regression through the origin of the grey in attached shadows on the light in sight.
-        let (mut product, mut square, mut total, mut shadows) = (0.0, 0.0, 0.0, 0);
+        let mut shadows = Vec::new();
         for (cell, b) in direct.iter().enumerate() {
             let in_shadow = |(_, l): &(usize, &Vec3<f64>)| b.dot(**l) < -SHADOW * lengths[cell];
             for (k, _) in samples.lights.iter().enumerate().filter(in_shadow) {
                 let seen: f64 = rays(cell).map(|hit| f64::from(self.images[k][*hit as usize])).sum();
-                let x = lengths[cell] * seen / RAYS as f64;
-                if x > 1e-4 * typical * typical {
-                    let grey = f64::from(self.images[k][cell]);
-                    product += x * grey;
-                    total += grey * grey;
-                    square += x * x;
-                    shadows += 1;
+                let expected = lengths[cell] * seen / RAYS as f64;
+                if expected > 1e-4 * typical * typical {
+                    shadows.push(Shadow { expected, grey: f64::from(self.images[k][cell]) });
                 }
             }
         }
-        let most = MOST_ALBEDO / bright;
         // Shadows of relit images are artefacts of few coefficients.
-        if shadows < FEWEST_SHADOWS || samples.is_relit {
+        if shadows.len() < FEWEST_SHADOWS || samples.is_relit {
             let factor = ASSUMED_ALBEDO / bright;
             return Light { in_sight, factor, bright, shadows: 0, unexplained: ASSUMED_UNEXPLAINED };
         }
-        let factor = (product / square).min(most);
-        let rest = total - 2.0 * factor * product + factor * factor * square;
+        let factor = factor(&mut shadows).min(MOST_ALBEDO / bright);
+        let squares = |grey: &dyn Fn(&Shadow) -> f64| shadows.iter().map(|s| grey(s) * grey(s)).sum::<f64>();
+        let rest = squares(&|s| s.grey - factor * s.expected);
+        let total = squares(&|s| s.grey);
         let unexplained = (rest / total.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0).sqrt();
-        Light { in_sight, factor, bright, shadows, unexplained }
+        Light { in_sight, factor, bright, shadows: shadows.len(), unexplained }
     }
 
     /// Returns the value at a pixel, interpolated between the centres of cells.
@@ -243,5 +260,23 @@ impl Coarse {
             }
         }
         if total > 1e-9 { sum / total } else { sum }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn single_lit_cells_leave_the_factor() {
+        let shadow = |i: u32| {
+            let expected = f64::from(1 + i % 7);
+            Shadow { expected, grey: if i % 3 == 0 { 50.0 } else { 0.25 * expected } }
+        };
+        let mut shadows: Vec<_> = (0..90).map(shadow).collect();
+        assert_eq!(factor(&mut shadows), 0.25);
+        shadows.iter_mut().filter(|shadow| shadow.grey < 50.0).for_each(|shadow| shadow.grey = 0.0);
+        assert_eq!(factor(&mut shadows), 0.0, "without indirect light nothing is removed");
+        assert_eq!(factor(&mut []), 0.0);
     }
 }

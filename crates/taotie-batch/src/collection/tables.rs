@@ -147,7 +147,7 @@ pub fn settings<'a>(choices: impl Iterator<Item = &'a Choices>, kind: Kind) -> R
     let task = match kind {
         Kind::Scan => Task::Bake(Box::new(AssetSettings {
             scan: table(choices.iter().map(|choices| &choices.scan)).map_err(wrong)?,
-            bake: table(choices.iter().map(|choices| &choices.bake)).map_err(wrong)?,
+            bake: bake_options(&choices).map_err(wrong)?,
             packing: table(choices.iter().map(|choices| &choices.packing)).map_err(wrong)?,
             verify: table(choices.iter().map(|choices| &choices.verify)).map_err(wrong)?,
             report,
@@ -165,6 +165,21 @@ pub fn settings<'a>(choices: impl Iterator<Item = &'a Choices>, kind: Kind) -> R
         viewer: part_or(&choices, |choices| &choices.viewer, false).map_err(wrong)?,
         require: require.filter(|_| is_scan).unwrap_or_default(),
     })
+}
+
+/// Merges the options of a bake. As with `taotie bake`, the default is a search for the smallest asset that is visually
+/// lossless, unless the asset's size or packing is set, or no search can judge it.
+fn bake_options(choices: &[&Choices]) -> std::result::Result<BakeOptions, toml::de::Error> {
+    /// The keys of `[bake]` that set a search or the asset's size.
+    const SIZED: [&str; 7] = ["goal", "bytes", "triangles", "size", "height", "sizes", "bits"];
+    let is_sized = |choices: &&&Choices| {
+        let packs = choices.packing.keys().any(|key| key != "provenance");
+        packs || SIZED.iter().any(|key| choices.bake.contains_key(*key))
+    };
+    let options: BakeOptions = table(choices.iter().map(|choices| &choices.bake))?;
+    let searches = options.may_search() && !choices.iter().any(|choices| is_sized(&choices));
+    let goal = if searches { Some(Requirement::visually_lossless()) } else { options.goal.clone() };
+    Ok(BakeOptions { goal, ..options })
 }
 
 fn table<'a, T: DeserializeOwned>(

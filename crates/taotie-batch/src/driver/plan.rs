@@ -10,8 +10,8 @@ use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
-use taotie::Bytes;
 use taotie::asset::RequirementOutcome;
+use taotie::{Bytes, Warning};
 use taotie_engine::{Error, Result, Warnings};
 use taotie_photometric::input_files;
 
@@ -94,6 +94,8 @@ pub struct Plan {
 enum Due<'a> {
     Making(Box<Todo>),
     Recording(Box<Record>),
+    /// Recording a verdict that leaves a requirement undecided, and proving the asset with more points.
+    Deciding(Box<Record>, Box<Todo>),
     Nothing(&'a Record),
 }
 
@@ -117,6 +119,10 @@ impl Plan {
             match due(todo, (collection.folder(), books), options.retry_failed) {
                 Due::Making(todo) => plan.todo.push(*todo),
                 Due::Recording(record) => plan.settled.push(*record),
+                Due::Deciding(record, todo) => {
+                    plan.settled.push(*record);
+                    plan.todo.push(*todo);
+                }
                 Due::Nothing(record) => plan.keep(record),
             }
         }
@@ -189,14 +195,16 @@ fn due<'a>(todo: Todo, (folder, books): (&Path, &'a Books), retry: bool) -> Due<
     let proved = todo.clone().with_points(last.points);
     let is_judged =
         last.is_current() && last.require == todo.settings.require && last.title == todo.scan.title;
-    if is_judged && proved.to_decide(&last.required).is_none() {
-        return Due::Nothing(last);
+    if is_judged {
+        return proved
+            .to_decide(&last.required)
+            .map_or(Due::Nothing(last), |todo| Due::Making(Box::new(todo)));
     }
     let object = last.main().and_then(|part| books.store.object::<MainObject>(&part.address));
     let Some(object) = object else { return Due::Making(Box::new(todo)) };
     let record = judged(last, &todo, &object);
     match proved.to_decide(&record.required) {
-        Some(todo) => Due::Making(Box::new(todo)),
+        Some(todo) => Due::Deciding(Box::new(record), Box::new(todo)),
         None => Due::Recording(Box::new(record)),
     }
 }
@@ -214,7 +222,12 @@ fn unreadable(folder: &Path, scan: &Scan) -> Error {
                 scan.path.display().to_string(),
                 "no photographs in the folder; add them, or remove its line from the list",
             ),
-            Ok(_) => Error::invalid(scan.path.display().to_string(), "a file in the folder cannot be opened"),
+            Ok(files) => match files.iter().find_map(|file| InputFile::stat(file).err()) {
+                Some(error) => error,
+                None => {
+                    Error::invalid(scan.path.display().to_string(), "its files could not be opened at first")
+                }
+            },
         };
     }
     let cause = std::fs::metadata(&path).err().unwrap_or_else(|| ErrorKind::Other.into());
@@ -243,6 +256,16 @@ fn judged(last: &Record, todo: &Todo, object: &MainObject) -> Record {
         stages: Vec::new(),
         ..last.clone()
     }
+}
+
+/// Returns the record of an asset that could not be proved with more points: its earlier proof, with a warning.
+fn undecided(earlier: &Record, points: usize, outcome: &Outcome) -> Record {
+    let cause = outcome.error.as_deref().unwrap_or("unknown cause");
+    let what = format!("not proved with {points} points, so a requirement is undecided: {cause}");
+    let mut warnings: Vec<_> =
+        earlier.warnings.iter().filter(|warning| warning.what != what).cloned().collect();
+    warnings.push(Warning { count: 1, what });
+    Record { attempt: earlier.attempt + 1, ended: now(), warnings, ..earlier.clone() }
 }
 
 /// The known state of a collection, and where it is recorded.
@@ -279,13 +302,18 @@ impl Books {
         Ok(Self { store, manifest, history, warnings })
     }
 
-    /// Returns the record of an attempt that has ended.
+    /// Returns the record of an attempt that has ended. An asset that failed to be proved with more points keeps its
+    /// earlier proof.
     pub fn record(&self, todo: Todo, outcome: Outcome, took: Took) -> Record {
+        let last = self.history.last.get(&todo.scan.id);
+        if let (Some(points), Some(last), false) = (todo.points, last, outcome.state.is_made()) {
+            return undecided(last, points, &outcome);
+        }
         let is_photographs = todo.scan.kind == Kind::Photographs;
         let input = if outcome.input.is_empty() { todo.input } else { outcome.input };
         Record {
             schema: SCHEMA,
-            attempt: 1 + self.history.last.get(&todo.scan.id).map_or(0, |last| last.attempt),
+            attempt: 1 + last.map_or(0, |last| last.attempt),
             id: todo.scan.id,
             ended: now(),
             version: VERSION.into(),

@@ -55,10 +55,9 @@ pub fn of(report: &Report) -> String {
         if !lacks_normals {
             map_errors(report).into_iter().for_each(|row| table.row(row));
         }
-        let unproved = report.bake.iter().flat_map(|bake| &bake.unproved_maps);
-        let unseen: Vec<&str> = figures.unseen.iter().chain(unproved).map(String::as_str).collect();
-        if !unseen.is_empty() {
-            table.row(["not compared".into(), unseen.join("; ")]);
+        let not_compared = report.not_compared();
+        if !not_compared.is_empty() {
+            table.row(["not compared".into(), not_compared.join("; ")]);
         }
         table.row(["bytes".into(), format!("{} in, {} out", figures.bytes_in, figures.bytes_out)]);
     } else {

@@ -41,7 +41,7 @@ pub struct PhotometricArgs {
     /// relief.glb, report.html, and report.json; with --model, maps with their uncertainty, model.glb and report.json
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
-    /// The mask: white where normals are estimated [default: mask.png next to the photographs, otherwise everything]
+    /// The mask: white where normals are estimated [default: an image named mask next to the photographs, otherwise everything]
     #[arg(long, value_name = "FILE")]
     pub mask: Option<PathBuf>,
     /// Meaning of the numbers in the photographs: auto, linear, srgb

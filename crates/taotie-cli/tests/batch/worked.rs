@@ -87,6 +87,20 @@ fn requirements_are_judged_anew_without_a_bake() {
     assert_eq!(collection.report("").0, Some(0));
 }
 
+#[test]
+fn without_a_size_the_smallest_asset_is_searched_for() {
+    let collection = Collection::of_balls(1);
+    let quick = "[verify]\npoints = 1000\nmap = 64\nview = 32\n";
+    let searched = |options: &str| {
+        collection.configure(&format!("{options}{quick}"));
+        assert_eq!(collection.report("").0, Some(0));
+        collection.last()["ball0.obj"]["stages"].to_string().contains("search")
+    };
+    assert!(searched("") && searched("[bake]\nimages = [\"png\"]\n"));
+    assert!(!searched("[bake]\nsize = 64\n") && !searched("[packing]\nmeshopt = true\n"));
+    assert!(!searched("[bake]\nmaps = [\"normal\", \"ao\"]\nao_rays = 1\n"), "no search judges occlusion");
+}
+
 /// A limit between the mean and the bounds that 1,000 points leave: more points decide it.
 #[test]
 fn requirements_that_known_figures_leave_undecided_are_proved_again() {
@@ -100,6 +114,11 @@ fn requirements_that_known_figures_leave_undecided_are_proved_again() {
         ["summary/mean", "mean_interval/1"].map(|name| number(&object, &format!("{angles}/{name}")));
     let limit = mean + 0.6 * (high - mean);
     collection.configure(&format!("require = [\"mean-angle={limit}\"]\n{QUICK}"));
+    let (code, _) = collection.report("--memory-limit 1M");
+    let last = &collection.last()["ball0.obj"];
+    assert_eq!((code, text(last, "/state")), (Some(1), "required-not-met".into()), "{last}");
+    assert!(last["warnings"].to_string().contains("points, so a requirement is undecided: "), "{last}");
+    assert!(number(last, "/figures/mean_angle") > 0.0 && !last["parts"].as_array().unwrap().is_empty());
     collection.report("");
     let last = &collection.last()["ball0.obj"];
     let bounds = [0, 1].map(|i| number(last, &format!("/required/0/interval/{i}")));

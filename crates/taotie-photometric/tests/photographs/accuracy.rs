@@ -99,6 +99,13 @@ fn shadows_and_highlights_cost_the_robust_estimate_at_most_half_of_least_squares
 }
 
 #[test]
+fn nothing_is_removed_from_photographs_without_indirect_light() {
+    let shooting = Shooting { bounces: 0, noise: 0.03, ..Shooting::default() };
+    let found = measured("relief, matt, direct light, noisy", relief(1.6), &Finish::matt(0.6), shooting);
+    assert!(found.direct < 1.001 * found.robust && found.best < found.robust, "{found:?}");
+}
+
+#[test]
 fn highlights_show_roughness_and_f0_and_matt_surfaces_have_none() {
     let shooting = Shooting { side: 64, ..Shooting::default() };
     for (albedo, roughness) in [(0.5, 0.45), (0.4, 0.25)] {

@@ -52,11 +52,13 @@ pub struct Shooting {
     pub noise: f64,
     /// Bits of the files: 16 linear, or 8 in sRGB.
     pub bits: u8,
+    /// Reflections of light after the first; with 0, no part of the object lights another.
+    pub bounces: u32,
 }
 
 impl Default for Shooting {
     fn default() -> Self {
-        Self { side: 96, lights: 36, lowest_deg: 65.0, noise: 0.002, bits: 16 }
+        Self { side: 96, lights: 36, lowest_deg: 65.0, noise: 0.002, bits: 16, bounces: 4 }
     }
 }
 
@@ -184,7 +186,8 @@ fn taken(
     let light = Light { name: String::new(), kind, color: Vec3::splat(2.0), falloff: Falloff::None };
     let lighting = Lighting { lights: vec![light], ..Lighting::default() };
     let shot = Shot { camera, lighting: &lighting, settings: &settings };
-    let paths = ReferenceSettings { spp: 32, seed, ..ReferenceSettings::default() };
+    let paths =
+        ReferenceSettings { spp: 32, seed, bounces: shooting.bounces, ..ReferenceSettings::default() };
     reference(prepared, &shot, &paths, Progress::SILENT).unwrap()
 }
 

@@ -14,7 +14,8 @@
  */
 
 const percent = (/** @type {number} */ value) => written(value * 100, 3) + "\u202f%";
-const degrees = (/** @type {number} */ value) => written(value, 2) + "°";
+/** Three decimals for angles that two would show as zero. */
+const degrees = (/** @type {number} */ value) => written(value, Math.abs(value) < 0.01 ? 3 : 2) + "°";
 
 /**
  * @param {number} value

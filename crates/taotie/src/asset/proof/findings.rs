@@ -322,6 +322,9 @@ fn missing(coverage: &Coverage) -> Option<String> {
     (most > 0.0).then(|| texts.join(", and "))
 }
 
+/// Occlusion, among the contents that are not compared.
+pub(super) const OCCLUSION: &str = "ambient occlusion, whose map only its bake measures";
+
 /// Returns the contents of an asset's files, or of its scan, that no figure and no image compares; `poses` if one of
 /// them moves.
 pub(super) fn unseen([scan, asset]: [&Scene; 2], poses: bool) -> Vec<String> {
@@ -329,7 +332,7 @@ pub(super) fn unseen([scan, asset]: [&Scene; 2], poses: bool) -> Vec<String> {
     let plain = is_plain(scan).then_some("colour and material, which the scan does not specify");
     let poses = poses.then_some("poses: an animated asset is compared at rest");
     let has_occlusion = used_materials(asset).any(|material| material.occlusion_texture.is_some());
-    let occlusion = has_occlusion.then_some("ambient occlusion, whose map only its bake measures");
+    let occlusion = has_occlusion.then_some(OCCLUSION);
     let layer = |property: Property| match property {
         Property::Layer(layer) => LAYERS.get(layer),
         _ => None,

@@ -2,7 +2,7 @@
 
 use super::certificate::{Certificate, HashedFile};
 use super::figures::Figures;
-use super::findings::unproved_maps;
+use super::findings::{OCCLUSION, unproved_maps};
 use super::outcome::RequirementOutcome;
 use super::verification::Proof;
 use crate::asset::ask::MeshSource;
@@ -250,6 +250,17 @@ impl Report {
         if let Some(bake) = &mut self.bake {
             bake.unproved_maps = unproved_maps(&self.maps);
         }
+    }
+
+    /// Returns the contents of the asset or its scan that no figure of the report compares. `figures.unseen` also has
+    /// occlusion that the bake measured, since a proof of the files alone cannot.
+    pub fn not_compared(&self) -> Vec<&str> {
+        let is_measured = |note: &MapNote| note.is_occlusion() && note.error.is_some();
+        let has_occlusion = self.maps.iter().any(is_measured);
+        let unseen = self.proof.iter().flat_map(|figures| &figures.unseen);
+        let unproved = self.bake.iter().flat_map(|bake| &bake.unproved_maps);
+        let all = unseen.filter(|what| !has_occlusion || *what != OCCLUSION).chain(unproved);
+        all.map(String::as_str).collect()
     }
 
     /// Returns the requirements and their outcomes.

@@ -75,8 +75,12 @@ impl MapNote {
     /// Returns `true` if no figure of a proof covers it. Figures see the maps that a renderer shows under direct light: neither
     /// occlusion nor packed channels.
     pub(in crate::asset) fn is_in_no_figure(&self) -> bool {
-        let is_occlusion = matches!(self.map, MapKind::Occlusion | MapKind::OcclusionMap);
-        self.packed.is_some() || self.map.is_separate() || is_occlusion
+        self.packed.is_some() || self.map.is_separate() || self.is_occlusion()
+    }
+
+    /// Returns `true` for occlusion, inside the asset or in a file of its own.
+    pub(in crate::asset) fn is_occlusion(&self) -> bool {
+        matches!(self.map, MapKind::Occlusion | MapKind::OcclusionMap)
     }
 
     /// Describes a map inside the asset. `label` is that of its material, here and below; it may be empty.
