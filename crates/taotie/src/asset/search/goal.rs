@@ -54,9 +54,14 @@ fn times(limits: &[Limit], factor: f64) -> Vec<Limit> {
     limits.iter().map(|limit| Limit { most: limit.most * factor, ..*limit }).collect()
 }
 
-/// Returns the largest ratio of differences, in ascending order, to their limits.
-fn worst(limits: &[Limit], differences: &[f32]) -> f64 {
-    limits.iter().map(|limit| limit.ratio(differences)).fold(0.0, f64::max)
+/// Returns the largest ratio of differences, in ascending order, to their limits; `patch` is the mean in the worst patch,
+/// if that is known.
+fn worst(limits: &[Limit], differences: &[f32], patch: Option<f64>) -> f64 {
+    let ratio = |limit: &Limit| match (limit.statistic, patch) {
+        (Statistic::Worst(_), Some(mean)) => mean / limit.most,
+        _ => limit.ratio(differences),
+    };
+    limits.iter().map(ratio).fold(0.0, f64::max)
 }
 
 /// Returns the approximate mean difference at which one of the limits is reached.
@@ -141,10 +146,17 @@ impl Goal {
 
     /// Returns the largest ratios of differences, in ascending order, to the limits of angles and of colours; `None`
     /// for colours that are not compared. The first is also at least the ratio of what is missing to its limit, and
-    /// infinite without angles to compare.
-    pub fn ratios(&self, seen: &PixelDifferences) -> (f64, Option<f64>) {
-        let color = (!seen.colors.is_empty()).then(|| worst(&self.colors, &seen.colors));
-        (worst(&self.angles, &seen.angles).max(seen.missing / self.missing), color)
+    /// infinite without angles to compare. `patches` are the means in the worst patches of angles and colours, if known;
+    /// otherwise the worst pixels count, wherever they are.
+    pub fn ratios(&self, seen: &PixelDifferences, patches: [Option<f64>; 2]) -> (f64, Option<f64>) {
+        let color = (!seen.colors.is_empty()).then(|| worst(&self.colors, &seen.colors, patches[1]));
+        (worst(&self.angles, &seen.angles, patches[0]).max(seen.missing / self.missing), color)
+    }
+
+    /// Returns `true` if it limits the worst patch, of angles and of colours.
+    pub fn limits_patches(&self) -> [bool; 2] {
+        let is_patch = |limit: &Limit| matches!(limit.statistic, Statistic::Worst(_));
+        [&self.angles, &self.colors].map(|limits| limits.iter().any(is_patch))
     }
 
     /// Returns the largest ratio of an image's visible differences, in ascending order, to their limit; infinite if
@@ -155,7 +167,7 @@ impl Goal {
             Encoding::Srgb => &self.colors,
             Encoding::Linear => &self.numbers,
         };
-        worst(limits, differences)
+        worst(limits, differences, None)
     }
 
     /// Returns the approximate ratio of a mean angle, degrees.
@@ -417,11 +429,12 @@ mod tests {
 
     #[test]
     fn the_worst_limit_decides() {
-        let (angle, color) = goal(&["mean-angle=1", "mean-color=2"]).ratios(&seen());
+        let (angle, color) = goal(&["mean-angle=1", "mean-color=2"]).ratios(&seen(), [None; 2]);
         assert!((angle - 0.7).abs() < 6e-3 && (color.unwrap() - 0.7).abs() < 6e-3, "{angle} {color:?}");
-        assert!((goal(&["mean-angle=1", "p95-angle=0.48"]).ratios(&seen()).0 - 2.0).abs() < 3e-2);
-        assert!((goal(&["patch-angle=5"]).ratios(&seen()).0 - 4.0).abs() < 1e-6);
-        let (_, color) = goal(&["within-1dE=50%"]).ratios(&seen());
+        assert!((goal(&["mean-angle=1", "p95-angle=0.48"]).ratios(&seen(), [None; 2]).0 - 2.0).abs() < 3e-2);
+        assert!((goal(&["patch-angle=5"]).ratios(&seen(), [None; 2]).0 - 4.0).abs() < 1e-6);
+        assert_eq!(goal(&["patch-angle=5"]).ratios(&seen(), [Some(10.0), None]).0, 2.0);
+        let (_, color) = goal(&["within-1dE=50%"]).ratios(&seen(), [None; 2]);
         assert!((color.unwrap() - 1.02).abs() < 2e-2, "{color:?}");
     }
 
@@ -449,8 +462,14 @@ mod tests {
     fn what_is_not_required_stays_visually_lossless() {
         let (lossless, wanted) =
             (Goal::of(&[], 0), goal(&["mean-angle@0=4", "flip=0.1", "mean-angle@1=0.1"]));
-        assert_eq!(wanted.ratios(&seen()).1.map(|ratio| ratio * 2.0), lossless.ratios(&seen()).1);
-        assert_eq!(goal(&["mean-angle=0.1"]).ratios(&seen()).1, lossless.ratios(&seen()).1);
+        assert_eq!(
+            wanted.ratios(&seen(), [None; 2]).1.map(|ratio| ratio * 2.0),
+            lossless.ratios(&seen(), [None; 2]).1
+        );
+        assert_eq!(
+            goal(&["mean-angle=0.1"]).ratios(&seen(), [None; 2]).1,
+            lossless.ratios(&seen(), [None; 2]).1
+        );
         assert!((wanted.ratio_of_mean(1.0) - 0.25).abs() < 1e-9, "only of level 0");
     }
 
@@ -458,7 +477,7 @@ mod tests {
     fn what_lacks_a_part_is_not_near() {
         let lacks = |missing: f64| PixelDifferences { missing, ..seen() };
         let loose = |more: &'static str| goal(&["mean-angle=90", "p95-angle=90", "patch-angle=90", more]);
-        let ratio = |goal: Goal, missing: f64| goal.ratios(&lacks(missing)).0;
+        let ratio = |goal: Goal, missing: f64| goal.ratios(&lacks(missing), [None; 2]).0;
         assert!(ratio(loose("flip=1"), 0.009) < 1.0 && ratio(loose("flip=1"), 0.011) > 1.0);
         assert!(ratio(loose("missed=0.1%"), 0.0009) < 1.0);
         assert!((ratio(loose("missed=0.1%").times(9.0), 0.002) - 2.0).abs() < 1e-9);
@@ -466,7 +485,7 @@ mod tests {
 
     #[test]
     fn nothing_to_compare_is_not_near() {
-        assert_eq!(Goal::of(&[], 0).ratios(&PixelDifferences::default()), (f64::INFINITY, None));
+        assert_eq!(Goal::of(&[], 0).ratios(&PixelDifferences::default(), [None; 2]), (f64::INFINITY, None));
     }
 
     #[test]

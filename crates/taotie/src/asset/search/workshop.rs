@@ -12,7 +12,7 @@ use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::length::Unit;
 use taotie_engine::mesh::Mesh;
 use taotie_engine::progress::Progress;
-use taotie_engine::proof::{self, Picture, PixelDifferences, Side};
+use taotie_engine::proof::{self, CloseUp, Picture, PixelDifferences, Side, SurfaceSample};
 use taotie_io::{
     CodecSet, GltfAsset, GltfFormat, GltfSizes, GltfSource, ImageCodec, Limits, PackedGeometry, PackedImage,
     TextureCodecs, VertexBits,
@@ -378,6 +378,10 @@ impl<'a> Workshop<'a> {
         let asset = Side::of(surface);
         let pair = self.pair(&asset);
         let mut found = self.seen(&pair);
+        // Coarser levels are never seen close up.
+        if self.subject.level.is_finest() {
+            self.see_patches(&pair, &mut found);
+        }
         if found.ratio() <= 1.0 && self.farthest.is_finite() {
             found.angle_ratio = found.angle_ratio.max(self.distance_ratio(&pair));
         }
@@ -397,11 +401,24 @@ impl<'a> Workshop<'a> {
     fn seen(&self, pair: &proof::Pair<'_>) -> Differences {
         let of_pixels = |count: usize| {
             let seen = proof::pixel_differences(pair, self.subject.level.picture(count)).sorted();
-            let (angle_ratio, color_ratio) = self.goal.ratios(&seen);
+            let (angle_ratio, color_ratio) = self.goal.ratios(&seen, [None; 2]);
             Differences { seen, angle_ratio, color_ratio }
         };
         let found = of_pixels(PIXELS);
         if NEAR_LIMIT.contains(&found.ratio()) { of_pixels(FINE_PIXELS) } else { found }
+    }
+
+    /// Replaces the worst pixels, which may be anywhere and show less detail than close-ups, by the worst patches of the
+    /// proof, if all other limits are met.
+    fn see_patches(&self, pair: &proof::Pair<'_>, found: &mut Differences) {
+        let (angle, color) = self.goal.ratios(&found.seen, [Some(0.0); 2]);
+        if angle.max(color.unwrap_or_default()) > 1.0 {
+            return;
+        }
+        let of: [fn(&SurfaceSample) -> f32; 2] = [|sample| sample.angle_deg, |sample| sample.color];
+        let limited = self.goal.limits_patches();
+        let patches = [0, 1].map(|i| limited[i].then(|| worst_patch(pair, of[i]).ok().flatten()).flatten());
+        (found.angle_ratio, found.color_ratio) = self.goal.ratios(&found.seen, patches);
     }
 
     /// Returns the ratio of the largest distance between visible points of the surfaces to its limit; 0 if it is within.
@@ -411,6 +428,14 @@ impl<'a> Workshop<'a> {
         let most = self.farthest * self.goal.shape * PART;
         proof::stray(pair, most as f32).map_or(0.0, |distance| f64::from(distance) / most)
     }
+}
+
+/// Returns the most that the mean difference in the worst patch of either surface is likely to be.
+fn worst_patch(pair: &proof::Pair<'_>, difference: fn(&SurfaceSample) -> f32) -> Result<Option<f64>> {
+    let close_ups = [CloseUp::of_scan(pair, PIXELS)?, CloseUp::of_asset(pair, PIXELS)?];
+    let of = |close_up| proof::worst_patch(pair, (close_up, PIXELS), difference);
+    let [of_scan, of_asset] = [of(&close_ups[0])?, of(&close_ups[1])?];
+    Ok(of_scan.into_iter().chain(of_asset).map(|patch| patch.interval[1]).reduce(f64::max))
 }
 
 /// Returns the maximum distance from a scan in model units at a level of detail; infinite without a requirement.
