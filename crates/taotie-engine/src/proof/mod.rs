@@ -55,6 +55,7 @@ pub struct Pair<'a> {
 struct Look {
     normal: Vec3,
     color: Vec3,
+    emission: Vec3,
     samples: u32,
     /// Samples of unlit materials, which show no normals.
     unlit: u32,
@@ -82,7 +83,9 @@ impl Look {
         let Sample { at, toward } = sample;
         self.normal += surface.seen_normal(at, toward);
         if reads_material {
-            self.color += surface.seen_material(at).color;
+            let material = surface.seen_material(at);
+            self.color += material.color;
+            self.emission += material.emission;
         }
         self.samples += 1;
         self.unlit += u32::from(surface.surface().material(at.point.triangle).unlit);
@@ -103,14 +106,22 @@ impl Look {
         }
     }
 
-    /// Returns the CIEDE2000 difference to another look's colour; NaN if one of them saw nothing.
+    /// Returns the CIEDE2000 difference to another look's base colour or emission, whichever is larger; NaN if one of them
+    /// saw nothing.
     pub fn color_difference(&self, other: &Self) -> f32 {
-        let mean = |look: &Self| (look.color * (1.0 / look.samples as f32)).to_array();
+        let mean = |sum: Vec3, look: &Self| (sum * (1.0 / look.samples as f32)).to_array();
+        let difference =
+            |of: fn(&Self) -> Vec3| color_difference(mean(of(self), self), mean(of(other), other));
         match self.samples.min(other.samples) {
             0 => f32::NAN,
-            _ => color_difference(mean(self), mean(other)) as f32,
+            _ => larger(difference(|look| look.color), difference(|look| look.emission)) as f32,
         }
     }
+}
+
+/// Returns the larger number; NaN if either is NaN.
+fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a > b { a } else { b }
 }
 
 /// Returns the ray of a viewer who looks at `point` from the distance `away` in the direction `toward`.

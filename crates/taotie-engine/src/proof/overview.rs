@@ -7,7 +7,7 @@ use super::{Look, Pair, Sample, Side};
 use crate::bake::{LookupPoint, Retextured, sphere_directions};
 use crate::compare::{angle_deg, color_difference};
 use crate::error::Result;
-use crate::image::{Encoding, Texture};
+use crate::image::{Bitmap, Encoding, Texels, Texture};
 use crate::math::{Vec3, integration::Sequence, scalar};
 use crate::parallel;
 use crate::trace::Ray;
@@ -30,7 +30,7 @@ const STEEPEST: f32 = 4.0;
 pub struct Overview {
     /// Degrees between the mean normals of a pixel, excluding outlines; 90 if the asset is unlit and the scan is not.
     pub angles: Option<Estimate>,
-    /// CIEDE2000 between the mean base colours of a pixel; `None` if colours are not compared.
+    /// CIEDE2000 between the mean base colours of a pixel, or its emission if that differs more; `None` if colours are not compared.
     pub color: Option<Estimate>,
     /// Number of pixels compared.
     pub pixels: usize,
@@ -364,7 +364,7 @@ impl<'a> Relook<'a> {
         number.map(|number| self.at(Shown { textures: vec![number], encoding })).transpose()
     }
 
-    /// Returns the pixels that show an image.
+    /// Returns the pixels that show an image: of one that only emits light, those where it does.
     ///
     /// # Errors
     /// As [`Bitmap::new`](crate::image::Bitmap::new).
@@ -372,12 +372,33 @@ impl<'a> Relook<'a> {
         let surface = self.side.surface.surface();
         let shows = surface.materials_with(&shown.textures);
         let is_shown = |samples: &&Vec<Sample>| shows[surface.material_number(samples[0].at.point.triangle)];
-        let pixels: Vec<&[Sample]> = self.pixels.iter().filter(is_shown).map(Vec::as_slice).collect();
-        let own = &surface.textures()[shown.textures[0]];
-        let own = Retextured::new(self.side.surface, &shown.textures, own)?;
-        let seen = parallel::tasks(pixels.len(), &|i| Seen::of(&own, pixels[i], shown.encoding));
+        let mut pixels: Vec<&[Sample]> = self.pixels.iter().filter(is_shown).map(Vec::as_slice).collect();
+        let seen_with = |texture: &Texture| -> Result<Vec<Seen>> {
+            let surface = Retextured::new(self.side.surface, &shown.textures, texture)?;
+            Ok(parallel::tasks(pixels.len(), &|i| Seen::of(&surface, pixels[i], shown.encoding)))
+        };
+        let mut seen = seen_with(&surface.textures()[shown.textures[0]])?;
+        if shown.encoding == Encoding::Srgb {
+            let black = Bitmap::new(1, 1, 3, Texels::U8(vec![[0, 0, 0, u8::MAX]]))?;
+            let black = seen_with(&Texture::new(black, Encoding::Srgb))?;
+            if let Some(emitting) = emitting(&seen, &black, &pixels) {
+                pixels = emitting.iter().map(|i| pixels[*i]).collect();
+                seen = emitting.iter().map(|i| seen[*i]).collect();
+            }
+        }
         Ok(ImageLook { side: self.side, shown, pixels, seen })
     }
+}
+
+/// Returns the pixels at which an image shows light, if it shows nothing else: a display in a black image is so small a
+/// part of the surface that statistics of all pixels would not see it. `black` are the pixels without the image.
+fn emitting(seen: &[Seen], black: &[Seen], pixels: &[&[Sample]]) -> Option<Vec<usize>> {
+    /// The difference that is just noticeable, CIEDE2000.
+    const NOTICEABLE: f32 = 1.0;
+    let is_same = |(a, b): (&Seen, &Seen)| a.sum == b.sum && a.alpha == b.alpha;
+    let emits = |i: &usize| seen[*i].difference(&black[*i], Encoding::Srgb, pixels[*i].len()) > NOTICEABLE;
+    let emitting: Vec<usize> = (0..seen.len()).filter(emits).collect();
+    (!emitting.is_empty() && seen.iter().zip(black).all(is_same)).then_some(emitting)
 }
 
 /// The pixels that show one image.

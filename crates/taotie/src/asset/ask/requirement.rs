@@ -90,7 +90,7 @@ impl Requirement {
         Self::of(Figure::MeanAngle, most)
     }
 
-    /// Requires a mean CIEDE2000 difference of base colours of at most `most`; about 1 is just visible.
+    /// Requires a mean CIEDE2000 difference of base colours or emission of at most `most`; about 1 is just visible.
     pub fn mean_color(most: f64) -> Self {
         Self::of(Figure::MeanColor, most)
     }

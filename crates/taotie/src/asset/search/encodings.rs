@@ -210,13 +210,20 @@ mod tests {
 
     /// A ball that shows them.
     fn ball() -> Scan {
+        let material = Material { base_color_texture: Some(texture_ref()), ..Material::default() };
+        ball_of(material, waves())
+    }
+
+    fn texture_ref() -> TextureRef {
         let (sampler, transform) = (Sampler::default(), UvTransform::default());
-        let waves_on_it = TextureRef { texture: 0, uv_set: 0, sampler, transform };
-        let material = Material { base_color_texture: Some(waves_on_it), ..Material::default() };
+        TextureRef { texture: 0, uv_set: 0, sampler, transform }
+    }
+
+    fn ball_of(material: Material, image: Bitmap) -> Scan {
         let scene = SceneData {
             meshes: vec![Mesh::sphere(1.0, 48, 24)],
             materials: vec![material],
-            textures: vec![Texture::new(waves(), Encoding::Srgb)],
+            textures: vec![Texture::new(image, Encoding::Srgb)],
             instances: vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }],
             ..SceneData::default()
         };
@@ -237,6 +244,25 @@ mod tests {
         let whole = encodings.encoded(SIDE, ImageCodec::WebP).unwrap();
         assert_eq!(whole.ratio, 0.0, "a lossless one looks the same");
         assert!(look.first(Encoding::Normal).unwrap().is_none());
+    }
+
+    /// Of all pixels, the display is less than a percent.
+    #[test]
+    fn a_display_in_a_black_image_is_measured_by_itself() {
+        let is_lit = |i: u32| (100..116).contains(&(i % SIDE)) && (120..126).contains(&(i / SIDE));
+        let texel = |i: u32| if is_lit(i) { [90, 200, 255, 255] } else { [0, 0, 0, 255] };
+        let display = Bitmap::new(SIDE, SIDE, 3, Texels::U8((0..SIDE * SIDE).map(texel).collect())).unwrap();
+        let material =
+            Material { emissive: [1.0; 3], emissive_texture: Some(texture_ref()), ..Material::default() };
+        let (ball, texture) =
+            (ball_of(material, display.clone()), LossyTexture::new(display, Encoding::Srgb));
+        let side = Side::of(&ball);
+        let look = Relook::new(&side, Picture::whole(20_000));
+        let look = look.first(Encoding::Srgb).unwrap().unwrap();
+        let small = Texture::new(texture.resized(32).unwrap().into_owned(), Encoding::Srgb);
+        let found = look.differences(&small).unwrap();
+        let mean = found.iter().sum::<f32>() / found.len() as f32;
+        assert!((10..200).contains(&found.len()) && mean > 10.0, "{mean} of {}", found.len());
     }
 
     #[test]
