@@ -271,7 +271,7 @@ mod tests {
     fn single_lit_cells_leave_the_factor() {
         let shadow = |i: u32| {
             let expected = f64::from(1 + i % 7);
-            Shadow { expected, grey: if i % 3 == 0 { 50.0 } else { 0.25 * expected } }
+            Shadow { expected, grey: if i.is_multiple_of(3) { 50.0 } else { 0.25 * expected } }
         };
         let mut shadows: Vec<_> = (0..90).map(shadow).collect();
         assert_eq!(factor(&mut shadows), 0.25);
