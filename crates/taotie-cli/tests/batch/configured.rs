@@ -63,7 +63,7 @@ fn what_is_wrong_is_told_with_its_line() {
     assert_told(&format!("{source}[run]\nmemory = \"much\"\n"), 4, "memory: ");
     assert_told(&format!("{source}[run]\ntime_limit = \"soon\"\n"), 4, "invalid time `soon`");
     assert_told(&format!("{source}[run]\njobs = 0\n"), 4, "at least one process");
-    let over = "\n[[override]]\nid = \"a*\"\nbake.lods = [90000]\n";
+    let over = "\n[[override]]\nid = \"a*\"\nbake.triangles = 50000\nbake.lods = [90000]\n";
     assert_told(&format!("{source}{over}"), 4, "the level of detail 90000");
     assert_told(&format!("{source}\n[[override]]\nid = \"[\"\n"), 5, "id: ");
     assert_told(
