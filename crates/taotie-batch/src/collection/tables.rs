@@ -172,14 +172,15 @@ pub fn settings<'a>(choices: impl Iterator<Item = &'a Choices>, kind: Kind) -> R
 fn bake_options(choices: &[&Choices]) -> std::result::Result<BakeOptions, toml::de::Error> {
     /// The keys of `[bake]` that set a search or the asset's size.
     const SIZED: [&str; 7] = ["goal", "bytes", "triangles", "size", "height", "sizes", "bits"];
-    let is_sized = |choices: &&&Choices| {
+    let is_sized = |choices: &&Choices| {
         let packs = choices.packing.keys().any(|key| key != "provenance");
         packs || SIZED.iter().any(|key| choices.bake.contains_key(*key))
     };
-    let options: BakeOptions = table(choices.iter().map(|choices| &choices.bake))?;
-    let searches = options.may_search() && !choices.iter().any(|choices| is_sized(&choices));
-    let goal = if searches { Some(Requirement::visually_lossless()) } else { options.goal.clone() };
-    Ok(BakeOptions { goal, ..options })
+    let mut options: BakeOptions = table(choices.iter().map(|choices| &choices.bake))?;
+    if options.may_search() && !choices.iter().any(is_sized) {
+        options.goal = Some(Requirement::visually_lossless());
+    }
+    Ok(options)
 }
 
 fn table<'a, T: DeserializeOwned>(

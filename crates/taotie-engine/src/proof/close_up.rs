@@ -32,7 +32,7 @@ pub struct SurfaceSample {
     /// Degrees between the shown normals; 90 if the other surface shows nothing, or if the asset is unlit and the scan
     /// is not.
     pub angle_deg: f32,
-    /// CIEDE2000 between the base colours; NaN if colours are not compared, or if nothing is shown.
+    /// CIEDE2000 between the base colours, or between emission if that differs more; NaN if colours are not compared, or if nothing is shown.
     pub color: f32,
     /// `true` if the other surface shows nothing there, or another part of the object; or if the asset is unlit there
     /// and the scan is not, so that its relief is not shown.

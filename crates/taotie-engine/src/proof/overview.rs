@@ -30,7 +30,8 @@ const STEEPEST: f32 = 4.0;
 pub struct Overview {
     /// Degrees between the mean normals of a pixel, excluding outlines; 90 if the asset is unlit and the scan is not.
     pub angles: Option<Estimate>,
-    /// CIEDE2000 between the mean base colours of a pixel, or its emission if that differs more; `None` if colours are not compared.
+    /// CIEDE2000 between the mean base colours of a pixel, or between its emission if that differs more; `None` if colours
+    /// are not compared.
     pub color: Option<Estimate>,
     /// Number of pixels compared.
     pub pixels: usize,
@@ -89,7 +90,7 @@ pub fn overview(pair: &Pair<'_>, picture: Picture) -> Result<Overview> {
 pub struct PixelDifferences {
     /// Degrees between the mean normals; 90 if the asset is unlit and the scan is not.
     pub angles: Vec<f32>,
-    /// CIEDE2000 between the mean base colours, of the pixels that have any; empty if colours are not compared.
+    /// CIEDE2000 of base colours or emission, whichever is larger, of the pixels that have any; empty if colours are not compared.
     pub colors: Vec<f32>,
     /// The share of the pixels with the scan in which nothing of the asset is seen or near, [0, 1].
     pub missing: f64,

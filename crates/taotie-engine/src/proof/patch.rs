@@ -221,7 +221,7 @@ const NOTHING_DEG: f32 = 90.0;
 pub enum PatchQuantity {
     /// The angle between normals, degrees.
     Angle,
-    /// The difference of base colours, CIEDE2000.
+    /// The difference of base colours or emission, CIEDE2000.
     Color,
 }
 
@@ -347,7 +347,7 @@ pub struct WorstRegions {
     pub skipped: usize,
     /// The region with the largest mean angle between normals, in degrees.
     pub angle: Option<Region>,
-    /// The region with the largest mean difference of base colours, CIEDE2000; `None` if colours are not compared.
+    /// The region with the largest mean difference of base colours or emission, CIEDE2000; `None` if colours are not compared.
     pub color: Option<Region>,
 }
 

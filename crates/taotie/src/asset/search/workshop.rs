@@ -415,10 +415,13 @@ impl<'a> Workshop<'a> {
         if angle.max(color.unwrap_or_default()) > 1.0 {
             return;
         }
-        let of: [fn(&SurfaceSample) -> f32; 2] = [|sample| sample.angle_deg, |sample| sample.color];
         let limited = self.goal.limits_patches();
-        let patches = [0, 1].map(|i| limited[i].then(|| worst_patch(pair, of[i]).ok().flatten()).flatten());
-        (found.angle_ratio, found.color_ratio) = self.goal.ratios(&found.seen, patches);
+        // Without them, the worst pixels count.
+        if limited.contains(&true)
+            && let Ok(patches) = worst_patches(pair, limited)
+        {
+            (found.angle_ratio, found.color_ratio) = self.goal.ratios(&found.seen, patches);
+        }
     }
 
     /// Returns the ratio of the largest distance between visible points of the surfaces to its limit; 0 if it is within.
@@ -430,12 +433,19 @@ impl<'a> Workshop<'a> {
     }
 }
 
-/// Returns the most that the mean difference in the worst patch of either surface is likely to be.
-fn worst_patch(pair: &proof::Pair<'_>, difference: fn(&SurfaceSample) -> f32) -> Result<Option<f64>> {
+/// Returns the most that the mean differences of angles and of colours in the worst patch of either surface are likely to
+/// be; `None` for those not `wanted`, or without anything to compare.
+fn worst_patches(pair: &proof::Pair<'_>, wanted: [bool; 2]) -> Result<[Option<f64>; 2]> {
     let close_ups = [CloseUp::of_scan(pair, PIXELS)?, CloseUp::of_asset(pair, PIXELS)?];
-    let of = |close_up| proof::worst_patch(pair, (close_up, PIXELS), difference);
-    let [of_scan, of_asset] = [of(&close_ups[0])?, of(&close_ups[1])?];
-    Ok(of_scan.into_iter().chain(of_asset).map(|patch| patch.interval[1]).reduce(f64::max))
+    let of: [fn(&SurfaceSample) -> f32; 2] = [|sample| sample.angle_deg, |sample| sample.color];
+    let mut most = [None; 2];
+    for i in (0..2).filter(|i| wanted[*i]) {
+        for close_up in &close_ups {
+            let patch = proof::worst_patch(pair, (close_up, PIXELS), of[i])?;
+            most[i] = most[i].into_iter().chain(patch.map(|patch| patch.interval[1])).reduce(f64::max);
+        }
+    }
+    Ok(most)
 }
 
 /// Returns the maximum distance from a scan in model units at a level of detail; infinite without a requirement.
