@@ -40,6 +40,9 @@ pub fn color_difference(a: [f32; 3], b: [f32; 3]) -> f64 {
     if !a.iter().chain(&b).all(|v| v.is_finite()) {
         return f64::NAN;
     }
+    if a == b {
+        return 0.0;
+    }
     let lab = |rgb: [f32; 3]| lab_from_linear(Vec3::from_array(rgb.map(|v| f64::from(v).clamp(0.0, 1.0))));
     ciede2000(lab(a), lab(b))
 }

@@ -34,6 +34,8 @@ pub struct SurfaceSample {
     pub angle_deg: f32,
     /// CIEDE2000 between the base colours, or between emission if that differs more; NaN if colours are not compared, or if nothing is shown.
     pub color: f32,
+    /// CIEDE2000 between the emission; NaN as above, or if neither of them emits light.
+    pub emission: f32,
     /// `true` if the other surface shows nothing there, or another part of the object; or if the asset is unlit there
     /// and the scan is not, so that its relief is not shown.
     pub is_missing: bool,
@@ -119,6 +121,7 @@ impl<'a> Viewer<'a> {
             triangle: point.triangle,
             angle_deg: if is_beside { f32::NAN } else { NOTHING_DEG },
             color: f32::NAN,
+            emission: f32::NAN,
             is_missing: !is_beside,
             distance: closest.map_or(f32::INFINITY, |closest| closest.distance),
             texel,
@@ -129,7 +132,10 @@ impl<'a> Viewer<'a> {
             let (of_scan, of_asset) = if self.is_of_scan { (&seen, &shown) } else { (&shown, &seen) };
             sample.is_missing = of_scan.is_hidden_by(of_asset);
             sample.angle_deg = if sample.is_missing { NOTHING_DEG } else { seen.angle_deg(&shown) };
-            sample.color = if self.pair.has_material { seen.color_difference(&shown) } else { f32::NAN };
+            if self.pair.has_material {
+                sample.color = seen.color_difference(&shown);
+                sample.emission = seen.emission_difference(&shown);
+            }
         }
         Some(sample)
     }

@@ -61,6 +61,9 @@ struct Look {
     unlit: u32,
 }
 
+/// The difference from black above which light is noticeable, CIEDE2000.
+const NOTICEABLE: f64 = 1.0;
+
 /// A point of a surface as seen by a viewer.
 #[derive(Debug, Clone, Copy)]
 struct Sample {
@@ -109,12 +112,26 @@ impl Look {
     /// Returns the CIEDE2000 difference to another look's base colour or emission, whichever is larger; NaN if one of them
     /// saw nothing.
     pub fn color_difference(&self, other: &Self) -> f32 {
-        let mean = |sum: Vec3, look: &Self| (sum * (1.0 / look.samples as f32)).to_array();
-        let difference =
-            |of: fn(&Self) -> Vec3| color_difference(mean(of(self), self), mean(of(other), other));
+        larger(self.difference(other, |look| look.color), self.difference(other, |look| look.emission)) as f32
+    }
+
+    /// Returns the CIEDE2000 difference to another look's emission; NaN if one of them saw nothing, or if neither emits
+    /// noticeable light.
+    pub fn emission_difference(&self, other: &Self) -> f32 {
+        let dark = Self { emission: Vec3::splat(0.0), ..*self };
+        let emits = |look: &Self| look.difference(&dark, |look| look.emission) > NOTICEABLE;
+        match emits(self) || emits(other) {
+            true => self.difference(other, |look| look.emission) as f32,
+            false => f32::NAN,
+        }
+    }
+
+    /// Returns the CIEDE2000 difference of the mean of a colour; NaN if one of them saw nothing.
+    fn difference(&self, other: &Self, sum: fn(&Self) -> Vec3) -> f64 {
+        let mean = |look: &Self| (sum(look) * (1.0 / look.samples as f32)).to_array();
         match self.samples.min(other.samples) {
-            0 => f32::NAN,
-            _ => larger(difference(|look| look.color), difference(|look| look.emission)) as f32,
+            0 => f64::NAN,
+            _ => color_difference(mean(self), mean(other)),
         }
     }
 }

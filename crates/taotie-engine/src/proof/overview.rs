@@ -3,7 +3,7 @@
 
 use super::close_up::{NOTHING_DEG, OUTLINE};
 use super::statistics::Estimate;
-use super::{Look, Pair, Sample, Side};
+use super::{Look, NOTICEABLE, Pair, Sample, Side};
 use crate::bake::{LookupPoint, Retextured, sphere_directions};
 use crate::compare::{angle_deg, color_difference};
 use crate::error::Result;
@@ -394,10 +394,9 @@ impl<'a> Relook<'a> {
 /// Returns the pixels at which an image shows light, if it shows nothing else: a display in a black image is so small a
 /// part of the surface that statistics of all pixels would not see it. `black` are the pixels without the image.
 fn emitting(seen: &[Seen], black: &[Seen], pixels: &[&[Sample]]) -> Option<Vec<usize>> {
-    /// The difference that is just noticeable, CIEDE2000.
-    const NOTICEABLE: f32 = 1.0;
     let is_same = |(a, b): (&Seen, &Seen)| a.sum == b.sum && a.alpha == b.alpha;
-    let emits = |i: &usize| seen[*i].difference(&black[*i], Encoding::Srgb, pixels[*i].len()) > NOTICEABLE;
+    let emits =
+        |i: &usize| seen[*i].difference(&black[*i], Encoding::Srgb, pixels[*i].len()) > NOTICEABLE as f32;
     let emitting: Vec<usize> = (0..seen.len()).filter(emits).collect();
     (!emitting.is_empty() && seen.iter().zip(black).all(is_same)).then_some(emitting)
 }

@@ -46,13 +46,32 @@ pub struct Patch {
     pub is_of_scan: bool,
 }
 
-/// Finds the window of one per cent of the samples with the largest mean of `difference`, and measures it at new
-/// points, so that it is not the worst by chance: the more `points` the whole surface has, the more are used. `None`
-/// if there is nothing to compare.
+/// Finds the window of one per cent of the samples with the largest mean difference, and measures it at new points, so
+/// that it is not the worst by chance: the more `points` the whole surface has, the more are used. Where something emits
+/// light, its emission is also compared without the dark surface around it: a lit display is often much smaller than one per
+/// cent. `None` if there is nothing to compare.
 ///
 /// # Errors
 /// As [`Estimate::of`].
 pub fn worst_patch(
+    pair: &Pair<'_>,
+    (close_up, points): (&CloseUp, usize),
+    of: PatchQuantity,
+) -> Result<Option<Patch>> {
+    let differences: &[fn(&SurfaceSample) -> f32] = match of {
+        PatchQuantity::Angle => &[|sample| sample.angle_deg],
+        PatchQuantity::Color => &[|sample| sample.color, |sample| sample.emission],
+    };
+    let mut worst: Option<Patch> = None;
+    for difference in differences {
+        let patch = patch_of(pair, (close_up, points), *difference)?;
+        worst = Patch::worse([worst, patch]);
+    }
+    Ok(worst)
+}
+
+/// Finds the worst window by one difference, and measures it at new points.
+fn patch_of(
     pair: &Pair<'_>,
     (close_up, points): (&CloseUp, usize),
     difference: fn(&SurfaceSample) -> f32,
@@ -90,6 +109,12 @@ pub(super) struct Ball {
 }
 
 impl Patch {
+    /// Returns the patch with the larger mean difference, the first one if they are equal.
+    pub fn worse(patches: [Option<Self>; 2]) -> Option<Self> {
+        let worse = |a: Self, b: Self| if b.mean > a.mean { b } else { a };
+        patches.into_iter().flatten().reduce(worse)
+    }
+
     /// Returns the window without its measurements.
     pub fn window(&self) -> Window {
         let Self { center, radius, toward, .. } = *self;
@@ -108,16 +133,17 @@ impl Ball {
     }
 }
 
-/// Finds the ball around a sample that contains a `share` of them and has the largest mean of `difference`; `None` if
-/// there is nothing to compare.
+/// Finds the ball around a sample that contains a `share` of them, or all that have a `difference` if they are fewer, and has
+/// the largest mean; `None` if there is nothing to compare.
 pub(super) fn worst_window(
     samples: &[SurfaceSample],
     share: f64,
     difference: fn(&SurfaceSample) -> f32,
 ) -> Option<Ball> {
+    let step = samples.len().div_ceil(MOST_SAMPLES).max(1);
     let known: Vec<(Vec3, Vec3, f32)> = samples
         .iter()
-        .step_by(samples.len().div_ceil(MOST_SAMPLES).max(1))
+        .step_by(step)
         .map(|sample| (sample.position, sample.toward, difference(sample)))
         .filter(|(.., value)| !value.is_nan())
         .collect();
@@ -125,7 +151,8 @@ pub(super) fn worst_window(
         return None;
     }
     let positions: Vec<Vec3> = known.iter().map(|(position, ..)| *position).collect();
-    let (windows, held) = (WINDOWS.min(known.len()), ((known.len() as f64 * share) as usize).max(1));
+    let windows = WINDOWS.min(known.len());
+    let held = ((samples.len().div_ceil(step) as f64 * share) as usize).clamp(1, known.len());
     let window = |i: usize| {
         // Half of the windows are around the worst samples of as many equal parts, half around their first.
         let part = i / 2 * known.len() / windows.div_ceil(2);

@@ -5,11 +5,11 @@ use crate::pairs::{
     Fate, ball, changed, copy_of, direction, grid, is_bad, is_sound, joined, lettered_pair, lettering, moved,
     proof, remade, repainted, reshaped, scan_of, turned, with_fates, with_part,
 };
-use taotie::asset::{BakeOptions, Baker, Figure, Lod, Requirement, Scan};
+use taotie::asset::{BakeOptions, Baker, Figure, Lod, Proof, Requirement, Scan};
 use taotie_engine::Progress;
-use taotie_engine::math::{Vec3, integration};
+use taotie_engine::math::{Mat4, Vec3, integration};
 use taotie_engine::mesh::MeshData;
-use taotie_engine::scene::{Material, Scene, SceneData};
+use taotie_engine::scene::{Instance, Material, Scene, SceneData};
 
 /// A texel of a map of `side`² texels.
 fn at(texels: &[[u8; 4]], side: u32, [x, y]: [u32; 2]) -> [u8; 4] {
@@ -265,6 +265,37 @@ fn colours_that_are_wrong() {
             remade(&data.meshes[0], |mesh| mesh.colors = mesh.positions.iter().map(tint).collect());
     });
     is_bad(&tinted, &scan, (&["patch-color"], "colours are off"));
+}
+
+/// A lit display covers a thousandth of a ball: among all that is around it, its loss is hardly a difference.
+#[test]
+fn a_small_display_that_is_dark() {
+    let of = |emissive: [f32; 3]| {
+        let (data, side) = (ball([240, 120], |_, _| 0.0), 4);
+        let is_display =
+            |t: usize| (118..118 + 2 * side).contains(&(t % 480)) && (56..56 + side).contains(&(t / 480));
+        let part = |lit: bool| {
+            let triangles =
+                (0..data.triangles.len()).filter(|t| is_display(*t) == lit).map(|t| data.triangles[t]);
+            scan_of(MeshData { triangles: triangles.collect(), ..data.clone() }).mesh().clone()
+        };
+        let display = Material { emissive, ..Material::default() };
+        let scene = SceneData {
+            meshes: vec![part(false)],
+            materials: vec![Material::default()],
+            ..SceneData::default()
+        };
+        let instances = vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }];
+        let body = Scene::new(SceneData { instances, ..scene }).unwrap();
+        let whole = with_part(&body, part(true));
+        changed(&whole, |data| data.materials[1] = display)
+    };
+    let [lit, dim, dark] = [0.02, 0.019, 0.0].map(|light| of([light; 3]));
+    let scan = Scan::from_scene(lit, Progress::SILENT).unwrap();
+    let color = |proof: Proof| proof.figures.levels[0].patches.color.unwrap().mean;
+    let [dim, dark] =
+        [color(is_sound(&dim, &scan)), color(is_bad(&dark, &scan, (&["patch-color"], "colours are off")))];
+    assert!((0.1..1.0).contains(&dim) && dark > 9.0, "{dim} {dark}");
 }
 
 /// No requirement limits these, so they are warnings.

@@ -16,7 +16,7 @@ use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::length::Unit;
 use taotie_engine::progress::Progress;
 use taotie_engine::proof::{
-    CloseUp, DistanceBounds, Overview, Pair, Patch, Picture, Side, SilhouetteFigures, SurfaceSample,
+    CloseUp, DistanceBounds, Overview, Pair, Patch, PatchQuantity, Picture, Side, SilhouetteFigures,
     hausdorff, most_missing, overview, root_mean_square, share_interval, silhouettes, worst_patch,
 };
 use taotie_engine::scene::Scene;
@@ -245,18 +245,10 @@ impl Seen {
     ///
     /// # Errors
     /// Those of [`worst_patch`].
-    pub fn worse_patch(
-        &self,
-        pair: &Pair<'_>,
-        difference: fn(&SurfaceSample) -> f32,
-    ) -> Result<Option<Patch>> {
-        let worst = |close_up| worst_patch(pair, (close_up, self.counts.close_up), difference);
+    pub fn worse_patch(&self, pair: &Pair<'_>, of: PatchQuantity) -> Result<Option<Patch>> {
+        let worst = |close_up| worst_patch(pair, (close_up, self.counts.close_up), of);
         let [of_scan, of_asset] = self.sought.as_ref().unwrap_or(&self.close_ups);
-        Ok(match (worst(of_scan)?, worst(of_asset)?) {
-            (Some(a), Some(b)) if b.mean > a.mean => Some(b),
-            (None, b) => b,
-            (a, _) => a,
-        })
+        Ok(Patch::worse([worst(of_scan)?, worst(of_asset)?]))
     }
 
     /// Returns the numbers of sampled points.
@@ -339,8 +331,8 @@ impl LevelFigures {
         Ok(Self {
             overview: seen.overview.clone(),
             patches: WorstPatches {
-                angle: seen.worse_patch(pair, |sample| sample.angle_deg)?,
-                color: seen.worse_patch(pair, |sample| sample.color)?,
+                angle: seen.worse_patch(pair, PatchQuantity::Angle)?,
+                color: seen.worse_patch(pair, PatchQuantity::Color)?,
             },
             worst_parts: WorstParts::of(pair, of_asset)?,
             beyond: Beyond::of([of_scan, of_asset], pair.diagonal, asked),

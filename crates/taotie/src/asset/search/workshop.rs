@@ -12,7 +12,7 @@ use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::length::Unit;
 use taotie_engine::mesh::Mesh;
 use taotie_engine::progress::Progress;
-use taotie_engine::proof::{self, CloseUp, Picture, PixelDifferences, Side, SurfaceSample};
+use taotie_engine::proof::{self, CloseUp, PatchQuantity, Picture, PixelDifferences, Side};
 use taotie_io::{
     CodecSet, GltfAsset, GltfFormat, GltfSizes, GltfSource, ImageCodec, Limits, PackedGeometry, PackedImage,
     TextureCodecs, VertexBits,
@@ -437,7 +437,7 @@ impl<'a> Workshop<'a> {
 /// be; `None` for those not `wanted`, or without anything to compare.
 fn worst_patches(pair: &proof::Pair<'_>, wanted: [bool; 2]) -> Result<[Option<f64>; 2]> {
     let close_ups = [CloseUp::of_scan(pair, PIXELS)?, CloseUp::of_asset(pair, PIXELS)?];
-    let of: [fn(&SurfaceSample) -> f32; 2] = [|sample| sample.angle_deg, |sample| sample.color];
+    let of = [PatchQuantity::Angle, PatchQuantity::Color];
     let mut most = [None; 2];
     for i in (0..2).filter(|i| wanted[*i]) {
         for close_up in &close_ups {
