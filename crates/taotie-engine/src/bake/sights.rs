@@ -2,7 +2,7 @@
 //! sides of its triangles can be seen from there.
 
 use super::textured_mesh::TexturedMesh;
-use crate::math::{Vec3, scalar};
+use crate::math::{Vec3, integration::hash, scalar};
 use crate::mesh::{Mesh, Point, sample_area};
 use crate::parallel;
 use crate::surface::facet_normal;
@@ -46,6 +46,29 @@ pub struct SightLine {
     pub toward: Vec3,
     /// The distance of the viewer, in model units; beyond the whole surface if it is seen from outside.
     pub distance: f32,
+}
+
+/// The side of a point from which it is looked at.
+#[derive(Debug, Clone, Copy)]
+struct Facing {
+    /// The normal of that side, unit.
+    normal: Vec3,
+    /// The cosine to it that directions exceed.
+    least: f32,
+    /// One in this many directions is tried.
+    stride: usize,
+}
+
+impl Facing {
+    /// All directions on the normal's side.
+    fn any(normal: Vec3) -> Self {
+        Self { normal, least: 0.0, stride: 1 }
+    }
+
+    /// A few directions, not at a slant: through openings, much of an inside is seen at a slant.
+    fn plain(normal: Vec3) -> Self {
+        Self { normal, least: 0.5, stride: 4 }
+    }
 }
 
 impl Sights {
@@ -96,58 +119,64 @@ impl Sights {
         parallel::count(POINTS, |i| self.sight_line(ground, point(i)).is_some()) as f64 / POINTS as f64
     }
 
-    /// Returns the best line of sight to a point; `None` if it is hidden.
+    /// Returns the best line of sight to a point; `None` if it is hidden. Half of the points of double-sided materials, chosen
+    /// by their weights, are seen from the back if that is in plain view; the others only if their front is hidden.
     pub fn sight_line(&self, ground: Ground<'_>, point: Point) -> Option<SightLine> {
         let normal = facet_normal(ground.surface.mesh().corners(point.triangle as usize))?;
-        let front = self.sight_line_on(ground, point, normal);
-        let is_double = ground.surface.material(point.triangle).double_sided;
-        if is_double { front.or_else(|| self.sight_line_on(ground, point, -normal)) } else { front }
+        let front = || self.sight_line_on(ground, point, Facing::any(normal));
+        if !ground.surface.material(point.triangle).double_sided {
+            return front();
+        }
+        let is_back = hash(point.triangle, point.weights[0].to_bits()) & 1 == 1;
+        let plain = if is_back { self.sight_line_on(ground, point, Facing::plain(-normal)) } else { None };
+        plain.or_else(front).or_else(|| self.sight_line_on(ground, point, Facing::any(-normal)))
     }
 
     /// Returns `true` if a point is visible on the side of `normal`, unit.
     pub fn is_side_visible(&self, ground: Ground<'_>, point: Point, normal: Vec3) -> bool {
-        self.sight_line_on(ground, point, normal).is_some()
+        self.sight_line_on(ground, point, Facing::any(normal)).is_some()
     }
 
     fn far(&self) -> f32 {
         self.diagonal * 4.0
     }
 
-    /// Returns the line closest to `normal` on the normal's side of the facet.
-    fn sight_line_on(&self, ground: Ground<'_>, point: Point, normal: Vec3) -> Option<SightLine> {
-        let start = point.position(ground.surface.mesh()) + normal * self.offset;
+    /// Returns the line closest to the normal on its side of the facet.
+    fn sight_line_on(&self, ground: Ground<'_>, point: Point, facing: Facing) -> Option<SightLine> {
+        let start = point.position(ground.surface.mesh()) + facing.normal * self.offset;
         match self.places.is_empty() {
-            true => self.line_outward(ground, start, normal),
-            false => self.line_to_place(ground, start, normal),
+            true => self.line_outward(ground, start, facing),
+            false => self.line_to_place(ground, start, facing),
         }
     }
 
-    fn line_outward(&self, ground: Ground<'_>, start: Vec3, normal: Vec3) -> Option<SightLine> {
+    fn line_outward(&self, ground: Ground<'_>, start: Vec3, facing: Facing) -> Option<SightLine> {
         let escapes = |toward: Vec3| self.is_free(ground, &Ray::new(start, toward), self.far());
         let line = |toward: Vec3| SightLine { toward, distance: self.far() };
-        if escapes(normal) {
-            return Some(line(normal));
+        if escapes(facing.normal) {
+            return Some(line(facing.normal));
         }
         let mut on_front: Vec<(f32, Vec3)> = self
             .directions
             .iter()
-            .map(|direction| (direction.dot(normal), *direction))
-            .filter(|(cosine, _)| *cosine > 0.0)
+            .step_by(facing.stride)
+            .map(|direction| (direction.dot(facing.normal), *direction))
+            .filter(|(cosine, _)| *cosine > facing.least)
             .collect();
         on_front.sort_by(|a, b| b.0.total_cmp(&a.0));
         on_front.into_iter().map(|(_, toward)| toward).find(|toward| escapes(*toward)).map(line)
     }
 
-    fn line_to_place(&self, ground: Ground<'_>, start: Vec3, normal: Vec3) -> Option<SightLine> {
+    fn line_to_place(&self, ground: Ground<'_>, start: Vec3, facing: Facing) -> Option<SightLine> {
         let mut lines: Vec<(f32, SightLine)> = self
             .places
             .iter()
             .map(|place| {
                 let (away, distance) = (*place - start, (*place - start).length());
                 let toward = away * (1.0 / distance.max(f32::MIN_POSITIVE));
-                (toward.dot(normal), SightLine { toward, distance })
+                (toward.dot(facing.normal), SightLine { toward, distance })
             })
-            .filter(|(cosine, _)| *cosine > 0.0)
+            .filter(|(cosine, _)| *cosine > facing.least)
             .collect();
         lines.sort_by(|a, b| b.0.total_cmp(&a.0));
         let is_free = |line: &SightLine| self.is_free(ground, &Ray::new(start, line.toward), line.distance);

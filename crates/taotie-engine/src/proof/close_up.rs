@@ -1,24 +1,21 @@
 //! Points spread over the visible part of a surface, each compared with the other surface in its place.
 
-use super::{Look, Pair, Sample, Side, view_ray};
+use super::{Difference, Look, NOTHING_DEG, Pair, Sample, Side, view_ray};
 use crate::bake::{LookupPoint, Scan, SightLine};
 use crate::error::Result;
 use crate::math::{Vec3, scalar};
 use crate::mesh::{Mesh, Point, sample_area};
 use crate::parallel;
-use crate::surface::facet_normal;
+use crate::scene::AlphaMode;
+use crate::trace::Ray;
 
 /// A surface farther along the line of sight than this fraction of the diagonal is another part of the object.
 const SAME_PART: f32 = 0.02;
 /// A surface within this fraction of the diagonal of a line of sight that misses it belongs to an outline.
 pub(super) const OUTLINE: f32 = 0.005;
-/// The cosine to the viewer below which that surface is turned away, as with reversed winding.
-const AWAY: f32 = -0.5;
 /// Minimum number of pixels across the object: edges of modelled shapes may be as long as the object, and carry no
 /// information about its detail.
-const LEAST_PIXELS: f32 = 256.0;
-/// The angle used if the other surface shows nothing, or no normals, in degrees.
-pub(super) const NOTHING_DEG: f32 = 90.0;
+const LEAST_PIXELS: f64 = 256.0;
 
 /// A visible point and its counterpart on the other surface.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -52,9 +49,13 @@ pub struct SurfaceSample {
 pub struct CloseUp {
     /// Visible points, spread evenly.
     pub samples: Vec<SurfaceSample>,
-    /// The share of the area that is hidden, [0, 1].
+    /// The share of the area that other parts of the surface hide, [0, 1].
     pub hidden: f64,
-    /// Number of points sampled, including hidden ones.
+    /// The share of the area that alpha makes transparent, [0, 1].
+    pub transparent: f64,
+    /// The share of the area that is transparent but drawn faintly: blended, with an opacity below one half.
+    pub faint: f64,
+    /// Number of points sampled, including those not seen.
     pub points: usize,
     /// `true` if the points are those of the scan, `false` if they are the asset's.
     pub is_of_scan: bool,
@@ -82,21 +83,21 @@ impl<'a> Viewer<'a> {
         Self { own: pair.asset, other: pair.scan, is_of_scan: false, ..Self::of_scan(pair) }
     }
 
-    /// Returns the sample at a point of the sampled surface; `None` if it is hidden.
+    /// Returns the sample at a point of the sampled surface; `None` if it is hidden or transparent.
     pub fn sample(&self, point: Point) -> Option<SurfaceSample> {
         let (own, other) = (self.own.surface, self.other.surface);
-        if !own.surface().is_opaque_at(point) {
+        if self.is_transparent(point) {
             return None;
         }
         let line = self.own.visibility.sight_line(point)?;
         let (position, reach) = (point.position(own.mesh()), self.pair.diagonal * SAME_PART);
         let ray = view_ray(position, line.toward, line.distance);
-        let hit = other.first_seen(&ray, line.distance + reach);
-        let hit = hit.filter(|hit| hit.distance > line.distance - reach);
+        let first = other.first_seen(&ray, line.distance + reach);
+        let hit = first.filter(|hit| hit.distance > line.distance - reach);
         let on_scan = if self.is_of_scan { Some(point) } else { hit.map(|hit| hit.point()) };
         let on_asset = if self.is_of_scan { hit.map(|hit| hit.point()) } else { Some(point) };
         let width = on_scan.map_or(self.footprint.least, |at| self.footprint.at(self.pair.scan.surface, at));
-        let pixel = width.min(self.pair.diagonal / LEAST_PIXELS);
+        let pixel = self.footprint.pixel(width);
         let look = |surface: &Scan, point: Point| {
             let mut look = Look::default();
             let sample = Sample { at: LookupPoint { point, width: pixel }, toward: line.toward };
@@ -106,15 +107,11 @@ impl<'a> Viewer<'a> {
         let texel =
             on_asset.and_then(|at| self.pair.asset.surface.surface().texel_size(at)).unwrap_or(f32::NAN);
         let closest = other.bvh().closest(position, f32::INFINITY);
-        // Next to an outline the line of sight passes an existing surface that is not turned away from the viewer. It
-        // need not be the closest: at the edge of a blade that may well be its other side.
-        let is_not_away = |triangle: u32| {
-            let facet = facet_normal(other.mesh().corners(triangle as usize));
-            facet.is_none_or(|facet| facet.dot(line.toward) > AWAY)
-        };
-        let outline = self.pair.diagonal * OUTLINE;
-        let is_near = || other.bvh().closest_of(position, outline, is_not_away).is_some();
-        let is_beside = hit.is_none() && is_near() && self.is_at_outline((position, line));
+        // Next to an outline the line of sight passes an existing surface, or another part is slightly in the way.
+        let near = (line.toward, self.pair.diagonal * OUTLINE);
+        let is_beside = hit.is_none()
+            && self.other.is_near(position, near)
+            && self.is_at_outline((position, line), first.is_some());
         let mut sample = SurfaceSample {
             position,
             toward: line.toward,
@@ -129,35 +126,55 @@ impl<'a> Viewer<'a> {
         };
         if let Some(hit) = hit {
             let (seen, shown) = (look(own, point), look(other, hit.point()));
-            let (of_scan, of_asset) = if self.is_of_scan { (&seen, &shown) } else { (&shown, &seen) };
-            sample.is_missing = of_scan.is_hidden_by(of_asset);
-            sample.angle_deg = if sample.is_missing { NOTHING_DEG } else { seen.angle_deg(&shown) };
-            if self.pair.has_material {
-                sample.color = seen.color_difference(&shown);
-                sample.emission = seen.emission_difference(&shown);
-            }
+            let [of_scan, of_asset] = if self.is_of_scan { [seen, shown] } else { [shown, seen] };
+            let found = Difference::between(&of_scan, &of_asset, self.pair.has_material);
+            let Difference { angle_deg, color, emission, is_hidden, .. } = found;
+            sample = SurfaceSample { angle_deg, color, emission, is_missing: is_hidden, ..sample };
         }
         Some(sample)
     }
 
-    /// Returns `true` if its own surface ends or steps back next to a line of sight to one of its points: otherwise
-    /// the other surface has a hole there.
-    fn is_at_outline(&self, (position, line): (Vec3, SightLine)) -> bool {
-        /// Neighbouring lines of sight on each of several rings, every ring half as wide as the previous one.
+    /// Returns `true` if its own surface ends or steps back next to a line of sight to one of its points, and the other one
+    /// is there farther inside, unless another part is in the way: otherwise the other surface has a hole, or lacks a thin part
+    /// as a whole.
+    fn is_at_outline(&self, (position, line): (Vec3, SightLine), is_blocked: bool) -> bool {
+        /// Neighbouring lines of sight on each of several rings, every ring twice as wide as the previous one.
         const AROUND: usize = 8;
-        const RINGS: usize = 3;
+        const RINGS: i32 = 3;
         let reach = self.pair.diagonal * SAME_PART;
         let right = line.toward.any_perpendicular();
         let up = line.toward.cross(right);
-        let is_there = |i: usize| {
-            let aside = self.pair.diagonal * OUTLINE / (1 << (i / AROUND)) as f32;
-            let angle = std::f64::consts::TAU * (i % AROUND) as f64 / AROUND as f64;
-            let [across, along] = [scalar::cos(angle), scalar::sin(angle)].map(|part| part as f32 * aside);
-            let ray = view_ray(position + right * across + up * along, line.toward, line.distance);
-            let hit = self.own.surface.first_seen(&ray, line.distance + reach);
-            hit.is_some_and(|hit| hit.distance > line.distance - reach)
-        };
-        !(0..AROUND * RINGS).all(is_there)
+        let (mut is_at_edge, mut is_beside_other) = (false, is_blocked);
+        for i in 0..AROUND {
+            let angle = std::f64::consts::TAU * i as f64 / AROUND as f64;
+            let [across, along] = [scalar::cos(angle), scalar::sin(angle)].map(|part| part as f32);
+            let rays = (0..RINGS).map(|ring| {
+                let aside = self.pair.diagonal * OUTLINE / (1 << (RINGS - 1 - ring)) as f32;
+                view_ray(position + (right * across + up * along) * aside, line.toward, line.distance)
+            });
+            let is_there = |side: &Side<'_>, ray: &Ray| {
+                let hit = side.surface.first_seen(ray, line.distance + reach);
+                hit.is_some_and(|hit| hit.distance > line.distance - reach)
+            };
+            let inside: Vec<Ray> = rays.take_while(|ray| is_there(self.own, ray)).collect();
+            is_at_edge |= inside.len() < RINGS as usize;
+            is_beside_other = is_beside_other || inside.iter().any(|ray| is_there(self.other, ray));
+        }
+        is_at_edge && is_beside_other
+    }
+
+    /// Returns `true` if alpha makes the sampled surface transparent at a point.
+    fn is_transparent(&self, point: Point) -> bool {
+        !self.own.surface.surface().is_opaque_at(point)
+    }
+
+    /// Returns `true` if the sampled surface is transparent at a point but drawn.
+    fn is_faint(&self, point: Point) -> bool {
+        /// Opacity that is hardly noticeable.
+        const FAINT: f32 = 0.02;
+        let surface = self.own.surface.surface();
+        let is_blended = surface.material(point.triangle).alpha == AlphaMode::Blend;
+        is_blended && self.is_transparent(point) && surface.sample(LookupPoint::finest(point)).alpha > FAINT
     }
 
     /// Returns the surface whose points are sampled.
@@ -186,9 +203,14 @@ impl CloseUp {
     fn by(viewer: Viewer<'_>, count: usize) -> Result<Self> {
         let point = sample_area(viewer.own.surface.mesh(), count)?;
         let found: Vec<Option<SurfaceSample>> = parallel::collect(count, |i| viewer.sample(point(i)));
-        let hidden = found.iter().filter(|sample| sample.is_none()).count() as f64 / count as f64;
-        let samples = found.into_iter().flatten().collect();
-        Ok(Self { samples, hidden, points: count, is_of_scan: viewer.is_of_scan })
+        let share = |is: &(dyn Fn(usize) -> bool + Sync)| {
+            parallel::count(count, |i| found[i].is_none() && is(i)) as f64 / count as f64
+        };
+        let transparent = share(&|i| viewer.is_transparent(point(i)));
+        let faint = if transparent > 0.0 { share(&|i| viewer.is_faint(point(i))) } else { 0.0 };
+        let hidden = share(&|i| !viewer.is_transparent(point(i)));
+        let samples: Vec<SurfaceSample> = found.into_iter().flatten().collect();
+        Ok(Self { samples, hidden, transparent, faint, points: count, is_of_scan: viewer.is_of_scan })
     }
 
     /// Returns the share of the visible area whose [`SurfaceSample::is_missing`] is `true`, [0, 1].
@@ -211,6 +233,8 @@ pub struct Footprint {
     pub half_edge: f32,
     /// The smallest pixel, in model units.
     pub least: f32,
+    /// The largest pixel of a close-up, in model units.
+    most: f32,
 }
 
 impl Footprint {
@@ -230,7 +254,13 @@ impl Footprint {
     pub fn of_edges(mut lengths: Vec<f32>, diagonal: f64) -> Self {
         lengths.sort_unstable_by(f32::total_cmp);
         let median = lengths.get(lengths.len() / 2).copied().unwrap_or(0.0);
-        Self { half_edge: median * 0.5, least: (diagonal / MOST_PIXELS) as f32 }
+        let [least, most] = [MOST_PIXELS, LEAST_PIXELS].map(|across| (diagonal / across) as f32);
+        Self { half_edge: median * 0.5, least, most }
+    }
+
+    /// Returns the size of a close-up's pixel for detail of this width, in model units.
+    pub fn pixel(&self, width: f32) -> f32 {
+        width.min(self.most)
     }
 
     /// Returns the size of a pixel at a point of the scan, in model units.

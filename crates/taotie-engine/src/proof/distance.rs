@@ -46,7 +46,8 @@ pub fn hausdorff(pair: &Pair<'_>, close_ups: [&CloseUp; 2], points: usize) -> Di
     sides.into_iter().zip(close_ups).fold(start, |bounds, ((side, to), close_up)| {
         // Only a distance larger than that of the other direction matters.
         let known = bounds.lower as f32;
-        let source = Source { side, is_partly_hidden: close_up.hidden > HARDLY_HIDDEN, known };
+        let source =
+            Source { side, is_partly_hidden: close_up.hidden + close_up.transparent > HARDLY_HIDDEN, known };
         bounds.larger(distance_bounds(source, to.surface, width))
     })
 }
@@ -64,7 +65,8 @@ fn stray_from(from: &Scan, to: &Scan, limit: f32) -> Option<f32> {
     let distance = |i: usize| {
         let at = Point { triangle: (i * step) as u32, weights: [1.0 / 3.0; 3] };
         let place = blend(mesh.corners(i * step), at.weights);
-        let is_far = to.bvh().closest(place, limit).is_none() && from.is_seen(at);
+        let is_far =
+            to.bvh().closest(place, limit).is_none() && from.is_seen(at) && from.surface().is_opaque_at(at);
         let closest = is_far.then(|| to.bvh().closest(place, f32::INFINITY));
         closest.flatten().map_or(0.0, |closest| closest.distance)
     };
@@ -300,7 +302,8 @@ impl Search<'_> {
     /// Returns `true` if the centroid of a piece is visible.
     fn is_seen(&self, piece: &Piece) -> bool {
         let point = Point { triangle: piece.triangle, weights: piece.middle_weights() };
-        self.from.side.surface.is_seen(point)
+        let surface = self.from.side.surface;
+        surface.is_seen(point) && surface.surface().is_opaque_at(point)
     }
 
     /// Returns the longest edge of a piece.

@@ -28,6 +28,8 @@ pub use statistics::{Estimate, Exceedance, Share, share_interval};
 use crate::bake::{LookupPoint, Scan, Visibility};
 use crate::compare::{angle_deg, color_difference};
 use crate::math::Vec3;
+use crate::scene::AlphaMode;
+use crate::surface::facet_normal;
 use crate::trace::Ray;
 
 /// A surface and its visibility.
@@ -50,17 +52,39 @@ pub struct Pair<'a> {
     pub has_material: bool,
 }
 
-/// One pixel's view of a surface: the mean over its samples.
+/// One pixel's view of a surface: sums over its samples.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 struct Look {
     normal: Vec3,
     color: Vec3,
     emission: Vec3,
+    /// Of blended materials; others are opaque where they are drawn.
+    opacity: f32,
+    metallic: f32,
+    roughness: f32,
     samples: u32,
     /// Samples of unlit materials, which show no normals.
     unlit: u32,
 }
 
+/// How the look of an asset differs from that of its scan.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+struct Difference {
+    /// Degrees between the normals; 90 if the asset hides the scan's relief, NaN if one of them shows nothing.
+    angle_deg: f32,
+    /// The colour difference: CIEDE2000 between the base colours, or between the emission, or 100 times the difference of
+    /// opacity, whichever is largest; NaN if materials are not compared.
+    color: f32,
+    /// CIEDE2000 between the emission; NaN if neither emits noticeable light, or if materials are not compared.
+    emission: f32,
+    /// The difference of metallic or of roughness, whichever is larger, [0, 1]; NaN if materials are not compared.
+    number: f32,
+    /// `true` if most of the asset's samples are unlit, and most of the scan's are lit.
+    is_hidden: bool,
+}
+
+/// The angle used if the asset shows nothing, or no normals, in degrees.
+const NOTHING_DEG: f32 = 90.0;
 /// The difference from black above which light is noticeable, CIEDE2000.
 const NOTICEABLE: f64 = 1.0;
 
@@ -78,6 +102,20 @@ impl<'a> Side<'a> {
     pub fn of(surface: &'a Scan) -> Self {
         Self { surface, visibility: Visibility::of(surface) }
     }
+
+    /// Returns `true` if the surface is within the distance `reach` of a point, not turned away from a viewer in the
+    /// direction `toward`, as with reversed winding. It need not be the closest part: at the edge of a blade that may well be
+    /// its other side.
+    fn is_near(&self, point: Vec3, (toward, reach): (Vec3, f32)) -> bool {
+        /// The cosine to the viewer below which a surface is turned away.
+        const AWAY: f32 = -0.5;
+        let is_not_away = |triangle: u32| {
+            let facet = facet_normal(self.surface.mesh().corners(triangle as usize));
+            let is_double = || self.surface.surface().material(triangle).double_sided;
+            facet.is_none_or(|facet| facet.dot(toward) > AWAY) || is_double()
+        };
+        self.surface.bvh().closest_of(point, reach, is_not_away).is_some()
+    }
 }
 
 impl Look {
@@ -85,55 +123,72 @@ impl Look {
     pub fn add(&mut self, surface: &Scan, sample: Sample, reads_material: bool) {
         let Sample { at, toward } = sample;
         self.normal += surface.seen_normal(at, toward);
+        let shown = surface.surface().material(at.point.triangle);
         if reads_material {
             let material = surface.seen_material(at);
             self.color += material.color;
             self.emission += material.emission;
+            self.opacity += if shown.alpha == AlphaMode::Blend { material.alpha } else { 1.0 };
+            self.metallic += material.metallic;
+            self.roughness += material.roughness;
         }
         self.samples += 1;
-        self.unlit += u32::from(surface.surface().material(at.point.triangle).unlit);
+        self.unlit += u32::from(shown.unlit);
     }
 
-    /// Returns `true` if an asset's look hides the relief that this one of its scan shows: most of the asset's samples
-    /// are unlit, and most of the scan's are lit.
-    pub fn is_hidden_by(&self, asset: &Self) -> bool {
-        let is_unlit = |look: &Self| 2 * look.unlit > look.samples;
-        is_unlit(asset) && !is_unlit(self)
+    fn is_unlit(&self) -> bool {
+        2 * self.unlit > self.samples
     }
 
-    /// Returns the angle to another look's normal, in degrees; NaN if one of them saw nothing.
-    pub fn angle_deg(&self, other: &Self) -> f32 {
-        match self.samples.min(other.samples) {
-            0 => f32::NAN,
-            _ => angle_deg(self.normal.to_f64(), other.normal.to_f64()) as f32,
+    fn mean(&self, sum: Vec3) -> [f32; 3] {
+        (sum * (1.0 / self.samples as f32)).to_array()
+    }
+
+    fn emits(&self) -> bool {
+        light_difference(self.mean(self.emission), [0.0; 3]) > NOTICEABLE
+    }
+}
+
+impl Difference {
+    /// Compares the looks of a scan and an asset.
+    pub fn between(scan: &Look, asset: &Look, has_material: bool) -> Self {
+        let nothing = Self {
+            angle_deg: f32::NAN,
+            color: f32::NAN,
+            emission: f32::NAN,
+            number: f32::NAN,
+            is_hidden: false,
+        };
+        if scan.samples.min(asset.samples) == 0 {
+            return nothing;
+        }
+        let is_hidden = asset.is_unlit() && !scan.is_unlit();
+        let angle = || angle_deg(scan.normal.to_f64(), asset.normal.to_f64()) as f32;
+        let normals = Self { angle_deg: if is_hidden { NOTHING_DEG } else { angle() }, is_hidden, ..nothing };
+        if !has_material {
+            return normals;
+        }
+        let off =
+            |of: fn(&Look) -> f32| (of(scan) / scan.samples as f32 - of(asset) / asset.samples as f32).abs();
+        let light = light_difference(scan.mean(scan.emission), asset.mean(asset.emission));
+        let color = color_difference(scan.mean(scan.color), asset.mean(asset.color));
+        Self {
+            color: larger(larger(color, light), f64::from(off(|look| look.opacity)) * TRANSPARENT) as f32,
+            emission: if scan.emits() || asset.emits() { light as f32 } else { f32::NAN },
+            number: off(|look| look.metallic).max(off(|look| look.roughness)),
+            ..normals
         }
     }
+}
 
-    /// Returns the CIEDE2000 difference to another look's base colour or emission, whichever is larger; NaN if one of them
-    /// saw nothing.
-    pub fn color_difference(&self, other: &Self) -> f32 {
-        larger(self.difference(other, |look| look.color), self.difference(other, |look| look.emission)) as f32
-    }
+/// The colour difference between transparent and opaque: that between black and white.
+const TRANSPARENT: f64 = 100.0;
 
-    /// Returns the CIEDE2000 difference to another look's emission; NaN if one of them saw nothing, or if neither emits
-    /// noticeable light.
-    pub fn emission_difference(&self, other: &Self) -> f32 {
-        let dark = Self { emission: Vec3::splat(0.0), ..*self };
-        let emits = |look: &Self| look.difference(&dark, |look| look.emission) > NOTICEABLE;
-        match emits(self) || emits(other) {
-            true => self.difference(other, |look| look.emission) as f32,
-            false => f32::NAN,
-        }
-    }
-
-    /// Returns the CIEDE2000 difference of the mean of a colour; NaN if one of them saw nothing.
-    fn difference(&self, other: &Self, sum: fn(&Self) -> Vec3) -> f64 {
-        let mean = |look: &Self| (sum(look) * (1.0 / look.samples as f32)).to_array();
-        match self.samples.min(other.samples) {
-            0 => f64::NAN,
-            _ => color_difference(mean(self), mean(other)),
-        }
-    }
+/// Returns the CIEDE2000 difference of two emissions in linear RGB, relative to the brightest channel if it exceeds 1.
+fn light_difference(a: [f32; 3], b: [f32; 3]) -> f64 {
+    let most = a.into_iter().chain(b).fold(1.0, f32::max);
+    let [a, b] = [a, b].map(|light| light.map(|v| v / most));
+    color_difference(a, b)
 }
 
 /// Returns the larger number; NaN if either is NaN.

@@ -1,9 +1,9 @@
 //! Compares scan and asset as seen: the same pixels of both, from all sides; and repeats views of a surface with
 //! different images in its textures.
 
-use super::close_up::{NOTHING_DEG, OUTLINE};
+use super::close_up::OUTLINE;
 use super::statistics::Estimate;
-use super::{Look, NOTICEABLE, Pair, Sample, Side};
+use super::{Difference, Look, NOTICEABLE, Pair, Sample, Side, TRANSPARENT, light_difference};
 use crate::bake::{LookupPoint, Retextured, sphere_directions};
 use crate::compare::{angle_deg, color_difference};
 use crate::error::Result;
@@ -92,6 +92,8 @@ pub struct PixelDifferences {
     pub angles: Vec<f32>,
     /// CIEDE2000 of base colours or emission, whichever is larger, of the pixels that have any; empty if colours are not compared.
     pub colors: Vec<f32>,
+    /// Differences of metallic or roughness, whichever is larger, [0, 1]; empty if colours are not compared.
+    pub numbers: Vec<f32>,
     /// The share of the pixels with the scan in which nothing of the asset is seen or near, [0, 1].
     pub missing: f64,
 }
@@ -99,7 +101,7 @@ pub struct PixelDifferences {
 impl PixelDifferences {
     /// Returns the same in ascending order.
     pub fn sorted(mut self) -> Self {
-        for differences in [&mut self.angles, &mut self.colors] {
+        for differences in [&mut self.angles, &mut self.colors, &mut self.numbers] {
             differences.sort_unstable_by(f32::total_cmp);
         }
         self
@@ -112,11 +114,15 @@ pub fn pixel_differences(pair: &Pair<'_>, picture: Picture) -> PixelDifferences 
     let probe = |i: usize| difference(pair, &pixels.number(i));
     let found: Vec<Compared> = parallel::collect(picture.count, probe);
     let missing = found.iter().filter(|pixel| matches!(pixel, Compared::Missing)).count();
-    let (angles, mut colors): (Vec<f32>, Vec<f32>) =
-        found.into_iter().filter_map(Compared::differences).unzip();
-    colors.retain(|difference| !difference.is_nan());
-    let missing = missing as f64 / (missing + angles.len()).max(1) as f64;
-    PixelDifferences { angles, colors, missing }
+    let both: Vec<Difference> = found.into_iter().filter_map(Compared::difference).collect();
+    let all = |of: fn(&Difference) -> f32| both.iter().map(of).filter(|v| !v.is_nan()).collect();
+    let missing = missing as f64 / (missing + both.len()).max(1) as f64;
+    PixelDifferences {
+        angles: all(|one| one.angle_deg),
+        colors: all(|one| one.color),
+        numbers: all(|one| one.number),
+        missing,
+    }
 }
 
 /// The comparison of a pixel.
@@ -127,13 +133,12 @@ enum Compared {
     Outline,
     /// The scan, and nothing of the asset is seen or near.
     Missing,
-    /// The differences of angle and colour.
-    Both(f32, f32),
+    Both(Difference),
 }
 
 impl Compared {
-    fn differences(self) -> Option<(f32, f32)> {
-        if let Self::Both(angle, color) = self { Some((angle, color)) } else { None }
+    fn difference(self) -> Option<Difference> {
+        if let Self::Both(difference) = self { Some(difference) } else { None }
     }
 }
 
@@ -182,14 +187,15 @@ fn difference(pair: &Pair<'_>, pixel: &Pixel) -> Compared {
         Some(of_asset) => {
             let scan = look(pair.scan, samples, pair.has_material);
             let asset = look(pair.asset, of_asset, pair.has_material);
-            let color = if pair.has_material { scan.color_difference(&asset) } else { f32::NAN };
-            let angle = if scan.is_hidden_by(&asset) { NOTHING_DEG } else { scan.angle_deg(&asset) };
-            Compared::Both(angle, color)
+            Compared::Both(Difference::between(&scan, &asset, pair.has_material))
         }
         None => {
-            let at = samples[0].at.point.position(pair.scan.surface.mesh());
-            let near = pair.asset.surface.bvh().closest(at, pair.diagonal * OUTLINE);
-            near.map_or(Compared::Missing, |_| Compared::Outline)
+            let Sample { at, toward } = samples[0];
+            let position = at.point.position(pair.scan.surface.mesh());
+            match pair.asset.is_near(position, (toward, pair.diagonal * OUTLINE)) {
+                true => Compared::Outline,
+                false => Compared::Missing,
+            }
         }
     }
 }
@@ -456,9 +462,8 @@ impl Seen {
         match encoding {
             Encoding::Normal => angle_deg(self.sum.to_f64(), other.sum.to_f64()) as f32,
             Encoding::Srgb => {
-                // From black to white counts the same as from transparent to opaque.
-                let alpha = (self.alpha - other.alpha).abs() / samples as f32 * 100.0;
-                color_difference(a[0], b[0]).max(color_difference(a[1], b[1])).max(alpha.into()) as f32
+                let alpha = f64::from((self.alpha - other.alpha).abs() / samples as f32) * TRANSPARENT;
+                color_difference(a[0], b[0]).max(light_difference(a[1], b[1])).max(alpha) as f32
             }
             Encoding::Linear => a[1].iter().zip(b[1]).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max),
         }

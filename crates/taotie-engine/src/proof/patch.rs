@@ -4,7 +4,7 @@
 
 use super::close_up::{CloseUp, Footprint, SurfaceSample, Viewer};
 use super::statistics::Estimate;
-use super::{Look, Pair, Sample};
+use super::{Difference, Look, NOTHING_DEG, Pair, Sample};
 use crate::bake::{LookupPoint, Scan};
 use crate::compare::Field;
 use crate::error::Result;
@@ -240,8 +240,6 @@ pub struct Window {
 const MARGIN: f64 = 1.5;
 /// The distance of the viewer in radii of the patch: closer parts of the object are cut away.
 const AWAY: f64 = 4.0;
-/// The angle used if one of the surfaces shows nothing, in degrees.
-const NOTHING_DEG: f32 = 90.0;
 
 /// The quantity by which a patch is the worst.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -318,16 +316,17 @@ impl PatchView {
                 let is_lost = of == PatchQuantity::Angle && hits.iter().any(Option::is_some);
                 return if is_lost { NOTHING_DEG } else { f32::NAN };
             };
-            let width = footprint.at(scan, on_scan);
+            let width = footprint.pixel(footprint.at(scan, on_scan));
             let [seen, shown] = [(scan, on_scan), (asset, on_asset)].map(|(surface, point)| {
                 let mut look = Look::default();
                 let sample = Sample { at: LookupPoint { point, width }, toward };
                 look.add(surface, sample, of == PatchQuantity::Color);
                 look
             });
+            let found = Difference::between(&seen, &shown, of == PatchQuantity::Color);
             match of {
-                PatchQuantity::Angle => seen.angle_deg(&shown),
-                PatchQuantity::Color => seen.color_difference(&shown),
+                PatchQuantity::Angle => found.angle_deg,
+                PatchQuantity::Color => found.color,
             }
         };
         Field::new(side, side, parallel::collect((side * side) as usize, difference))

@@ -76,7 +76,7 @@ fn the_worst_island_and_material_are_those_with_the_waves() {
         assert!((angle.share - 0.5).abs() < 0.05 && angle.center[0] < 0.5, "{angle:?}");
         assert!(angle.interval[0] < angle.mean && angle.mean < angle.interval[1], "{angle:?}");
         let at = angle.worst;
-        assert!(at.center[0] < 0.5 && (0.02..0.3).contains(&at.radius) && at.toward[1] > 0.0, "{at:?}");
+        assert!(at.center[0] < 0.5 && (0.02..0.3).contains(&at.radius) && at.toward[1] != 0.0, "{at:?}");
         assert!(worst.color.is_none(), "the scan has no colours");
     }
     let flips: Vec<(PartKind, PatchQuantity)> =

@@ -157,6 +157,13 @@ fn note_coverage(coverage: &Coverage, warnings: &mut Warnings) {
         );
         warnings.note(what, 1);
     }
+    if coverage.faint_of_scan > WORTH_A_WORD {
+        let share = percent(coverage.faint_of_scan);
+        let what = format!(
+            "{share} of the scan's area is more transparent than opaque (blended alpha below 0.5) and is not compared"
+        );
+        warnings.note(what, 1);
+    }
 }
 
 /// A larger missed share of the surface than this causes a warning.
@@ -330,7 +337,7 @@ pub(super) const OCCLUSION: &str = "ambient occlusion, whose map only its bake m
 pub(super) fn unseen([scan, asset]: [&Scene; 2], poses: bool) -> Vec<String> {
     let materials = || used_materials(scan).chain(used_materials(asset));
     let plain = is_plain(scan).then_some("colour and material, which the scan does not specify");
-    let poses = poses.then_some("poses: an animated asset is compared at rest");
+    let poses = poses.then_some("poses and variants: only the default ones are compared");
     let has_occlusion = used_materials(asset).any(|material| material.occlusion_texture.is_some());
     let occlusion = has_occlusion.then_some(OCCLUSION);
     let layer = |property: Property| match property {
@@ -472,6 +479,9 @@ mod tests {
         let plainly = "colour and material, which the scan does not specify";
         assert_eq!(unseen([&plain, &plain], false), [plainly]);
         assert_eq!(unseen([&coated, &plain], false), ["clearcoat"]);
-        assert_eq!(unseen([&plain, &plain], true)[1], "poses: an animated asset is compared at rest");
+        assert_eq!(
+            unseen([&plain, &plain], true)[1],
+            "poses and variants: only the default ones are compared"
+        );
     }
 }

@@ -352,14 +352,16 @@ impl LevelFigures {
 const COMPLETE: f32 = 0.005;
 fn coverage(pair: &Pair<'_>, [of_scan, of_asset]: [&CloseUp; 2]) -> Coverage {
     let worse = if of_asset.missing() > of_scan.missing() { of_asset } else { of_scan };
+    let [a, b] = [of_scan, of_asset].map(|own| share_interval(own.missing(), own.samples.len()));
     let near = of_scan.samples.iter().filter(|sample| sample.distance <= pair.diagonal * COMPLETE).count();
     Coverage {
         missed_of_scan: of_scan.missing(),
         missed_of_asset: of_asset.missing(),
-        missed_interval: share_interval(worse.missing(), worse.samples.len()),
+        missed_interval: [a[0].max(b[0]), a[1].max(b[1])],
         missed_at: most_missing(worse),
         completeness: near as f64 / of_scan.samples.len().max(1) as f64,
         hidden_of_scan: of_scan.hidden,
+        faint_of_scan: of_scan.faint,
         is_interior: pair.scan.visibility.is_interior(),
     }
 }

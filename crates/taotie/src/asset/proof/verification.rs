@@ -182,7 +182,7 @@ fn prove(shown: Shown, scan: Scan, options: &VerifyOptions, progress: Progress<'
     for level in &mut levels {
         warnings.absorb(std::mem::take(&mut level.warnings));
     }
-    let poses = levels.iter().any(|level| level.rig.is_some());
+    let poses = levels.iter().any(|level| level.rig.is_some()) || scan.about.is_rigged;
     let across: Vec<Option<f32>> = levels.iter().map(|level| level.coverage.map(pixels_across)).collect();
     let scenes: Vec<Scene> = levels.into_iter().map(|level| level.scene).collect();
     scan.sort(progress)?;

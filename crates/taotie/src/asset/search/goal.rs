@@ -144,12 +144,15 @@ impl Goal {
         Self { angles, colors, numbers, missing: self.missing * shape, shape }
     }
 
-    /// Returns the largest ratios of differences, in ascending order, to the limits of angles and of colours; `None`
-    /// for colours that are not compared. The first is also at least the ratio of what is missing to its limit, and
+    /// Returns the largest ratios of differences, in ascending order, to the limits of angles and of materials; `None`
+    /// for materials that are not compared. The first is also at least the ratio of what is missing to its limit, and
     /// infinite without angles to compare. `patches` are the means in the worst patches of angles and colours, if known;
-    /// otherwise the worst pixels count, wherever they are.
+    /// otherwise the worst pixels count, wherever they are. Of metallic and roughness only the mean counts.
     pub fn ratios(&self, seen: &PixelDifferences, patches: [Option<f64>; 2]) -> (f64, Option<f64>) {
-        let color = (!seen.colors.is_empty()).then(|| worst(&self.colors, &seen.colors, patches[1]));
+        let color = (!seen.colors.is_empty()).then(|| {
+            let numbers = worst(&self.numbers, &seen.numbers, Some(0.0));
+            worst(&self.colors, &seen.colors, patches[1]).max(numbers)
+        });
         (worst(&self.angles, &seen.angles, patches[0]).max(seen.missing / self.missing), color)
     }
 
