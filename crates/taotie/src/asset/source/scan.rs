@@ -17,7 +17,7 @@ use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::length::Unit;
 use taotie_engine::mesh::Mesh;
 use taotie_engine::progress::Progress;
-use taotie_engine::scene::{Material, Scene, SceneData};
+use taotie_engine::scene::{GreenChannel, Material, Scene, SceneData};
 use taotie_engine::surface::{Denoised, Noise, NoiseHandling};
 use taotie_io::{Bytes, Limits, Objects, Used, xmp_rights};
 
@@ -48,6 +48,8 @@ pub(in crate::asset) struct About {
     pub one_level: Option<&'static str>,
     /// How it is read; the unit is the metre for glTF unless the caller specifies another.
     pub options: ScanOptions,
+    /// `true` if it was changed after reading, such as its materials.
+    pub is_edited: bool,
 }
 
 impl About {
@@ -69,6 +71,7 @@ impl About {
             is_rigged: false,
             one_level: None,
             options: ScanOptions::default(),
+            is_edited: false,
         }
     }
 
@@ -127,8 +130,8 @@ pub struct Scan {
     surface: Arc<TexturedMesh>,
     /// The surface sorted for rays; empty until needed.
     sorted: Arc<OnceLock<bake::Scan>>,
-    /// `true` if its noise was removed, so that it is not as in its file.
-    pub(in crate::asset) is_denoised: bool,
+    /// `true` if it is not as in its file: it was edited, or its noise was removed.
+    pub(in crate::asset) is_changed: bool,
     /// The device that casts the rays of bakes; `None` for the CPU.
     pub(in crate::asset) device: Option<Arc<dyn RayDevice>>,
     /// Its watertight outer surface; empty until needed.
@@ -241,6 +244,7 @@ impl ScanFile {
         let is_rigged = loaded.rig.is_some() || !loaded.variants.names().is_empty();
         let about = About {
             is_rigged,
+            is_edited: loaded.is_edited,
             one_level: loaded.moving.or((loaded.levels > 1).then_some("its own levels")),
             models: vec![model],
             files,
@@ -321,6 +325,7 @@ impl ScanFile {
             let Self { scene, mut about, limits } = self;
             let scene = corrected(scene, &about.options, &mut about.warnings)?;
             about.size = ScanSize::of(&scene, about.carried.maps());
+            let is_changed = about.is_edited || has_green_down(&scene);
             let surface = Arc::new(bake::Scan::surface_of(scene)?);
             let path = about.path().to_path_buf();
             check_rounding((surface.mesh(), &path), &mut about.warnings)?;
@@ -329,7 +334,7 @@ impl ScanFile {
                 sorted: Arc::default(),
                 device: None,
                 remeshed: Arc::default(),
-                is_denoised: false,
+                is_changed,
                 about: Arc::new(about),
                 limits,
             })
@@ -454,11 +459,11 @@ impl Scan {
         self.about.path()
     }
 
-    /// Returns the file whose whole content a packed scan has: the only one that it was read from, unless its noise
-    /// was removed.
+    /// Returns the file whose whole content a packed scan has: the only one that it was read from, unless it was
+    /// changed since.
     pub(in crate::asset) fn packed_file(&self) -> Option<&Path> {
         match &self.about.models[..] {
-            [model] if !self.is_denoised => Some(&model.path),
+            [model] if !self.is_changed => Some(&model.path),
             _ => None,
         }
     }
@@ -513,7 +518,7 @@ impl Scan {
         let surface = Arc::new(self.surface.in_shape(mesh));
         let noise = Noise { removed: Some(change), ..noise };
         let (sorted, remeshed) = (Arc::default(), Arc::default());
-        let scan = Self { surface, sorted, remeshed, is_denoised: true, ..self };
+        let scan = Self { surface, sorted, remeshed, is_changed: true, ..self };
         Ok((scan, Some(ScanNoise { noise, angles })))
     }
 
@@ -535,6 +540,13 @@ impl std::fmt::Debug for Scan {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Scan").field("about", &self.about).finish_non_exhaustive()
     }
+}
+
+/// Returns `true` if green points down in a normal map, which a glTF file cannot state: it was read so because of its
+/// pixels or the options.
+fn has_green_down(scene: &Scene) -> bool {
+    let is_down = |material: &Material| material.normal.is_some_and(|map| map.green == GreenChannel::Down);
+    scene.materials().iter().any(is_down)
 }
 
 /// Joins several files to one scan.
