@@ -7,21 +7,18 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use taotie::asset::{
     Asset, BakeOptions, Baker, Figure, Lod, MeshSource, Packing, Proof, RayDistance, Report, Requirement,
-    Scan, ScanFile, ScanOptions, SeparateMap, VerifyOptions, WrittenAsset,
+    Scan, ScanFile, SeparateMap, VerifyOptions, WrittenAsset,
 };
-use taotie::studio::{self, MaterialFactors, MaterialOptions};
 use taotie::{Bytes, Limits};
 use taotie_engine::bake::MapKind;
 use taotie_engine::image::{Bitmap, Encoding, Sampler, Texels, Texture};
 use taotie_engine::math::{Mat4, Vec3, scalar};
 use taotie_engine::mesh::{Mesh, MeshData};
 use taotie_engine::scene::{
-    GreenChannel, Instance, Material, NormalMap, NormalSpace, Scene, SceneData, TextureRef, UvTransform,
+    GreenChannel, Instance, Material, NormalSpace, Scene, SceneData, TextureRef, UvTransform,
 };
 use taotie_engine::{Error, Progress, Result};
-use taotie_io::{
-    FileSet, GltfAsset, GltfFormat, GltfMaterial, ImageCodec, load_model, write_gltf, write_scene,
-};
+use taotie_io::{FileSet, GltfAsset, GltfFormat, GltfMaterial, ImageCodec, load_model, write_gltf};
 
 #[path = "../../../tests/common/mod.rs"]
 mod common;
@@ -72,10 +69,6 @@ fn said(asset: &Asset) -> String {
 
 /// Returns two balls in a scene of two nodes, with a texture of soft waves.
 fn textured() -> Scan {
-    Scan::from_scene(textured_scene(), Progress::SILENT).unwrap()
-}
-
-fn textured_scene() -> Scene {
     let wave = |v: u32| (100.0 + 80.0 * scalar::sin(f64::from(v) * 0.2)) as u8;
     let waves = (0..128u32 * 128).map(|i| [wave(i % 128), wave(i / 128), 90, 255]);
     let bitmap = Bitmap::new(128, 128, 3, Texels::U8(waves.collect())).unwrap();
@@ -91,7 +84,7 @@ fn textured_scene() -> Scene {
         instances: vec![instance(-1.5), instance(1.5)],
         ..SceneData::default()
     };
-    Scene::new(data).unwrap()
+    Scan::from_scene(Scene::new(data).unwrap(), Progress::SILENT).unwrap()
 }
 
 #[cfg(feature = "webp")]
@@ -115,48 +108,6 @@ fn a_scan_that_is_smallest_as_it_is_is_packed() {
     // Without the scan's materials a new material is made.
     let asset = Baker::new(BakeOptions { carry: false, ..wanted }).bake(&scan, Progress::SILENT).unwrap();
     assert!(asset.trials().iter().all(|trial| !trial.is_scan));
-}
-
-/// A packed scan is not its file if its materials were changed, or if green of its normal maps points down.
-#[cfg(feature = "webp")]
-#[test]
-fn a_scan_that_is_not_as_in_its_file_is_packed_as_it_is() {
-    let (folder, limits) = (tempfile::tempdir().unwrap(), Limits::default());
-    let [path, out] = ["scan.glb", "out.glb"].map(|name| folder.path().join(name));
-    let wanted = BakeOptions { goal: Some(vec![Requirement::mean_angle_deg(1.0)]), ..BakeOptions::default() };
-    let baked = |scan: ScanFile| {
-        Baker::new(wanted.clone()).bake(scan.into_scan(Progress::SILENT).unwrap(), Progress::SILENT).unwrap()
-    };
-    let mut scene = textured_scene();
-    write_scene(&path, &scene, &GltfFormat::default()).unwrap();
-    let factors = MaterialFactors { roughness: Some(0.2), ..MaterialFactors::default() };
-    let options = MaterialOptions { factors, ..MaterialOptions::default() };
-    for (options, roughness) in [(MaterialOptions::default(), scene.materials()[0].roughness), (options, 0.2)]
-    {
-        let loaded = studio::load(&path, &options, &limits).unwrap();
-        let asset = baked(ScanFile::from_loaded(loaded, &path, &limits).unwrap());
-        assert!(asset.origin().is_scan, "{asset:?}");
-        let written = asset.write(&out, &Packing::default(), Progress::SILENT).unwrap();
-        let loaded = load_model(written.path()).unwrap();
-        assert!((loaded.scene.materials()[0].roughness - roughness).abs() < 1e-6, "{loaded:?}");
-    }
-    scene
-        .edit(|scene| {
-            let texture = scene.materials[0].base_color_texture.take().unwrap();
-            let (space, green) = (NormalSpace::Tangent, GreenChannel::Up);
-            scene.materials[0].base_color = [0.8, 0.1, 0.1, 1.0];
-            scene.materials[0].normal = Some(NormalMap { texture, scale: 1.0, space, green });
-            let texels = Texels::U8(vec![[128, 192, 238, 255]; 64]);
-            scene.textures = vec![Texture::new(Bitmap::new(8, 8, 3, texels).unwrap(), Encoding::Normal)];
-        })
-        .unwrap();
-    write_scene(&path, &scene, &GltfFormat::default()).unwrap();
-    for green in [GreenChannel::Up, GreenChannel::Down] {
-        let options = ScanOptions { green: Some(green), ..ScanOptions::default() };
-        let asset = baked(ScanFile::read(&path, &limits, Progress::SILENT).unwrap().with_options(options));
-        let packed = asset.trials().iter().filter(|trial| trial.is_scan).map(|trial| trial.mean_angle);
-        assert!(packed.fold(f64::INFINITY, f64::min) < 1.0, "{green:?}: {:?}", asset.trials());
-    }
 }
 
 /// Baked assets do not move.

@@ -3,7 +3,8 @@
 //! Its tree takes more memory than its triangles. It is built when rays first need it, which is after simplification.
 
 use super::corrections::{
-    FileUnit, ScanOptions, added_vertices, check_rounding, corrected, into_metres, to_one_unit,
+    FileUnit, ScanOptions, added_vertices, check_rounding, corrected, has_green_down, into_metres,
+    to_one_unit,
 };
 use super::material::{Carried, is_plain};
 use super::size::{
@@ -17,7 +18,7 @@ use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::length::Unit;
 use taotie_engine::mesh::Mesh;
 use taotie_engine::progress::Progress;
-use taotie_engine::scene::{GreenChannel, Material, Scene, SceneData};
+use taotie_engine::scene::{Material, Scene, SceneData};
 use taotie_engine::surface::{Denoised, Noise, NoiseHandling};
 use taotie_io::{Bytes, Limits, Objects, Used, xmp_rights};
 
@@ -459,13 +460,10 @@ impl Scan {
         self.about.path()
     }
 
-    /// Returns the file whose whole content a packed scan has: the only one that it was read from, unless it was
-    /// changed since.
+    /// Returns the file whose whole content a packed scan has: its only one, unless it was changed since.
     pub(in crate::asset) fn packed_file(&self) -> Option<&Path> {
-        match &self.about.models[..] {
-            [model] if !self.is_changed => Some(&model.path),
-            _ => None,
-        }
+        let is_kept = self.about.models.len() == 1 && !self.is_changed;
+        self.about.models.first().filter(|_| is_kept).map(|model| &*model.path)
     }
 
     /// Returns all files that it was read from, the model files first; empty in memory.
@@ -540,13 +538,6 @@ impl std::fmt::Debug for Scan {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Scan").field("about", &self.about).finish_non_exhaustive()
     }
-}
-
-/// Returns `true` if green points down in a normal map, which a glTF file cannot state: it was read so because of its
-/// pixels or the options.
-fn has_green_down(scene: &Scene) -> bool {
-    let is_down = |material: &Material| material.normal.is_some_and(|map| map.green == GreenChannel::Down);
-    scene.materials().iter().any(is_down)
 }
 
 /// Joins several files to one scan.
