@@ -70,6 +70,27 @@ def test_a_list_of_models_is_one_scan_as_for_the_command(scan_file: Path, tmp_pa
     assert tt.bake([scan_file, mesh], triangles=500, size=64).save(own).report()["high"] == ""
 
 
+def test_a_packed_scan_has_the_materials_that_it_was_given(tmp_path: Path) -> None:
+    vertices, faces = sphere(48, 24)
+    x, y = np.mgrid[:128, :128]
+    waves = np.dstack([100 + 80 * np.sin(0.2 * x), 100 + 80 * np.sin(0.2 * y), np.full((128, 128), 90)])
+    paint = tt.Material(base_color_map=waves.astype(np.uint8), roughness=0.7)
+    uvs = np.column_stack([np.arctan2(vertices[:, 0], vertices[:, 2]) / 7 + 0.5, vertices[:, 1] / 3 + 0.5])
+    path = tmp_path / "scan.glb"
+    tt.Mesh(vertices, faces, uvs=uvs, material=paint).save(path)
+
+    def baked_roughness(**options: Any) -> float:
+        asset = tt.bake(tt.load(path, **options), error=1.0)
+        assert asset.save(tmp_path / "out.glb").report()["origin"]["is_scan"]
+        glb = asset.glb()
+        document = json.loads(glb[20 : 20 + int.from_bytes(glb[12:16], "little")])
+        roughness: float = document["materials"][0]["pbrMetallicRoughness"]["roughnessFactor"]
+        return roughness
+
+    assert baked_roughness() == pytest.approx(0.7)
+    assert baked_roughness(material=tt.Material(roughness=0.2)) == pytest.approx(0.2)
+
+
 def test_an_asset_describes_itself(asset: tt.Asset) -> None:
     assert len(asset.triangles) == 1 and 400 < asset.triangles[0] <= 600
     assert asset.size == (128, 128) and asset.counts["texels"] > 5000

@@ -133,9 +133,22 @@ fn shown<'a>(file: &'a ufbx::Scene, warnings: &mut Warnings) -> Vec<(&'a ufbx::N
         nodes.retain(|(node, _)| !is_out(node));
         warnings.note(what, before - nodes.len());
     };
-    leave_out("skipped hidden meshes", |node| !node.visible);
+    leave_out("skipped hidden meshes", is_hidden);
     leave_out("skipped meshes of coarser levels of detail", is_coarser_level);
     nodes
+}
+
+/// Returns `true` for hidden nodes, and for those below them unless they do not inherit visibility.
+fn is_hidden(node: &ufbx::Node) -> bool {
+    let mut above = Some(node);
+    while let Some(node) = above {
+        if !node.visible {
+            return true;
+        }
+        let inherits = ufbx::find_prop(&node.element.props, "Visibility Inheritance");
+        above = node.parent.as_deref().filter(|_| inherits.is_none_or(|inherits| inherits.value_int != 0));
+    }
+    false
 }
 
 /// Returns `true` for nodes in a group of levels of detail, except those of its first level.

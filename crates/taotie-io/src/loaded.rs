@@ -15,6 +15,9 @@ use taotie_engine::scene::{Scene, SceneData};
 pub struct Loaded {
     /// The scene to draw.
     pub scene: Scene,
+    /// `true` if the scene was changed after reading, such as its materials, so that it is not as in the file. Set it
+    /// after changes: a packed scan is made from the file otherwise.
+    pub is_edited: bool,
     /// Notes on content that was invalid or ignored, but not essential for rendering.
     pub warnings: Warnings,
     /// The format read: `glTF`, `GLB`, `OBJ`, `PLY`, `STL` or `FBX`.

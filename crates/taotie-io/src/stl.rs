@@ -85,11 +85,25 @@ fn binary(path: &Path, bytes: &[u8], warnings: &mut Warnings) -> Result<MeshData
     };
     warnings
         .note("bytes after the last triangle", bytes.len() - BINARY_START - triangles.as_flattened().len());
+    note_colors(bytes, triangles, warnings);
     let is_bad = |t: &[u8; BINARY_TRIANGLE]| (0..3).any(|corner| !stored_corner(t, corner).is_finite());
     match first(triangles, is_bad) {
         Some(i) => Err(not_finite(path, format!("triangle {i}"))),
         None => Ok(welded(3 * count, |c| stored_corner(&triangles[c / 3], c % 3))),
     }
+}
+
+/// Notes colours, which are not read: VisCAM and SolidView set the highest bit of a triangle's attribute word if it is a
+/// colour; Magics clears it, and states the colour of all other triangles in the header. Words that are neither may be
+/// anything.
+fn note_colors(header: &[u8], triangles: &[[u8; BINARY_TRIANGLE]], warnings: &mut Warnings) {
+    let is_magics = header[..80].windows(6).any(|word| word == b"COLOR=");
+    warnings.note("ignored the colour in the header", usize::from(is_magics));
+    let word = |t: &[u8; BINARY_TRIANGLE]| u16::from_le_bytes([t[48], t[49]]);
+    let is_colored = |t: &&[u8; BINARY_TRIANGLE]| (word(t) >> 15 == 0) == is_magics;
+    let is_other = |t: &&[u8; BINARY_TRIANGLE]| word(t) != 0 && !is_magics && !is_colored(t);
+    warnings.note("ignored colours of triangles", triangles.iter().filter(is_colored).count());
+    warnings.note("ignored attributes of triangles", triangles.iter().filter(is_other).count());
 }
 
 /// Returns a corner of a triangle in a binary file; the normal precedes the first.

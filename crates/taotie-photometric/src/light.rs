@@ -56,14 +56,12 @@ pub fn near(position: Vec3<f64>, pixel: [usize; 2], [width, height]: [usize; 2])
 }
 
 /// Sets the intensities of near lamps that are equally bright: those further away light the object less.
-pub fn equalise(lights: &mut [Light]) {
-    let square = |light: &Light| light.position.map(|position| position.dot(position));
-    let sum: f64 = lights.iter().filter_map(square).sum();
-    let mean = sum / lights.iter().filter_map(square).count().max(1) as f64;
-    for light in lights {
-        if let Some(square) = square(light) {
-            light.intensity = [mean / square; 3];
-        }
+pub fn equalise(lights: Vec<&mut Light>) {
+    let near = lights.into_iter().filter_map(|light| Some((light.position?.dot(light.position?), light)));
+    let near: Vec<(f64, &mut Light)> = near.collect();
+    let mean = near.iter().map(|(square, _)| square).sum::<f64>() / near.len().max(1) as f64;
+    for (square, light) in near {
+        light.intensity = [mean / square; 3];
     }
 }
 

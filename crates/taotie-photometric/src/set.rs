@@ -6,14 +6,14 @@ use crate::diligent::{self, Text};
 use crate::folder::{Folder, check_format};
 use crate::light::{self, Light};
 use crate::lp::{Entry, parse_lp};
-use crate::photograph::Photograph;
+use crate::photograph::{Photograph, Shape};
 use crate::relight::{Relightable, lights_of_relit};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use taotie_engine::error::{Error, Result};
 use taotie_engine::math::Vec3;
 use taotie_engine::{Progress, Warnings};
-use taotie_io::{decode_text, quote, read_bytes};
+use taotie_io::{decode_text, quote, read_bitmap_within, read_bytes};
 
 /// Photographs of one object from one position, each under one light.
 #[derive(Debug, Clone)]
@@ -139,28 +139,9 @@ impl PhotographSet {
         }
         let lines: Vec<usize> = entries.iter().map(|entry| entry.line).collect();
         check_unique(path, &lines, &photographs)?;
-        match setup.pixel_size.filter(|_| are_positions(&entries)) {
-            Some(pixel_size) => {
-                let mut lights: Vec<Light> = photographs.iter().map(|photograph| photograph.light).collect();
-                for (light, entry) in lights.iter_mut().zip(&entries) {
-                    light.position = Some(Vec3::from_array(entry.vector) / pixel_size);
-                }
-                light::equalise(&mut lights);
-                photographs.iter_mut().zip(lights).for_each(|(photograph, light)| photograph.light = light);
-            }
-            None => note_lengths(&entries, warnings),
-        }
-        Self {
-            photographs,
-            mask: folder.mask(),
-            lights: path.to_path_buf(),
-            layout: "lp",
-            files: vec![path.into()],
-            balls: Vec::new(),
-            chrome: None,
-            relightable: None,
-        }
-        .checked(&folder, warnings)
+        place_lamps(&mut photographs, &entries, setup, warnings)?;
+        let set = Self::new(photographs, path, "lp");
+        Self { mask: folder.mask(), files: vec![path.into()], ..set }.checked(&folder, warnings)
     }
 
     fn of_diligent(
@@ -188,17 +169,8 @@ impl PhotographSet {
         check_unique(&names.path, &numbers, &photographs)?;
         let files = [Some(&names), Some(&directions), intensities.as_ref()];
         let files = files.into_iter().flatten().map(|file| file.path.clone()).collect();
-        Self {
-            photographs,
-            mask: folder.mask(),
-            lights: directions.path.clone(),
-            layout: "diligent",
-            files,
-            balls: Vec::new(),
-            chrome: None,
-            relightable: None,
-        }
-        .checked(folder, warnings)
+        let set = Self::new(photographs, &directions.path, "diligent");
+        Self { mask: folder.mask(), files, ..set }.checked(folder, warnings)
     }
 
     /// Makes photographs from a relightable image.
@@ -213,16 +185,9 @@ impl PhotographSet {
             path: format!("light {}", i + 1).into(),
             light: Light { direction, intensity: [1.0; 3], position: None },
         };
-        Ok(Self {
-            photographs: lights_of_relit().into_iter().enumerate().map(photograph).collect(),
-            mask: None,
-            lights: path.to_path_buf(),
-            layout: "relightable",
-            files: vec![path.into()],
-            balls: Vec::new(),
-            chrome: None,
-            relightable: Some(image),
-        })
+        let photographs = lights_of_relit().into_iter().enumerate().map(photograph).collect();
+        let set = Self::new(photographs, path, "relightable");
+        Ok(Self { files: vec![path.into()], relightable: Some(image), ..set })
     }
 
     fn of_balls((folder, path): (&Folder, &Path), setup: &Setup, progress: Progress<'_>) -> Result<Self> {
@@ -234,19 +199,27 @@ impl PhotographSet {
                 format!("at least {} are needed", light::FEWEST),
             ));
         }
-        let (mut lights, chrome) = lights_of_balls(path, &paths, setup, progress.begin("chrome balls")?)?;
-        light::equalise(&mut lights);
+        let (lights, chrome) = lights_of_balls(path, &paths, setup, progress.begin("chrome balls")?)?;
         let photographs = paths.into_iter().zip(lights).map(|(path, light)| Photograph { path, light });
-        Ok(Self {
-            photographs: photographs.collect(),
-            mask: folder.mask(),
-            lights: path.to_path_buf(),
-            layout: "balls",
+        let balls = chrome.outlines.iter().map(|outline| outline.circle).collect();
+        let set = Self::new(photographs.collect(), path, "balls");
+        Ok(Self { mask: folder.mask(), balls, chrome: Some(chrome), ..set })
+    }
+
+    /// Makes a set from photographs whose near lamps are equally bright. `lights` is the file or folder that the lights
+    /// are from.
+    fn new(mut photographs: Vec<Photograph>, lights: &Path, layout: &'static str) -> Self {
+        light::equalise(photographs.iter_mut().map(|photograph| &mut photograph.light).collect());
+        Self {
+            photographs,
+            mask: None,
+            lights: lights.to_path_buf(),
+            layout,
             files: Vec::new(),
-            balls: chrome.outlines.iter().map(|outline| outline.circle).collect(),
-            chrome: Some(chrome),
+            balls: Vec::new(),
+            chrome: None,
             relightable: None,
-        })
+        }
     }
 
     fn checked(self, folder: &Folder, warnings: &mut Warnings) -> Result<Self> {
@@ -333,22 +306,42 @@ fn several(file: &str, other: &str) -> Error {
     Error::invalid(format!("{file} and {other}: two sources of lights"), "give only one of them")
 }
 
-/// Returns true unless all vectors have length 1.
-fn are_positions(entries: &[Entry]) -> bool {
-    let length = |entry: &Entry| entry.vector.iter().map(|v| v * v).sum::<f64>().sqrt();
-    entries.iter().any(|entry| (length(entry) - 1.0).abs() > 0.01)
-}
-
-/// Notes vectors that seem to be positions of lamps.
-fn note_lengths(entries: &[Entry], warnings: &mut Warnings) {
-    let length = |entry: &Entry| entry.vector.iter().map(|v| v * v).sum::<f64>().sqrt();
-    let lengths = || entries.iter().map(length);
+/// Sets the positions of lamps if the pixel size is known and the vectors of the `.lp` file are positions; otherwise
+/// notes vectors that may be positions. They are directions if all have length 1, or if all end closer to the centre than
+/// the picture's corners, where no lamp can be.
+fn place_lamps(
+    photographs: &mut [Photograph],
+    entries: &[Entry],
+    setup: &Setup,
+    warnings: &mut Warnings,
+) -> Result<()> {
+    let lengths = || entries.iter().map(|entry| Vec3::from_array(entry.vector).length());
     let (least, most) = lengths().fold((f64::INFINITY, 0.0), |(least, most), v| (v.min(least), v.max(most)));
-    if most > 1.05 * least {
+    let Some(pixel_size) = setup.pixel_size else {
         warnings.note(
             "the vectors of the lights differ in length, like positions of lamps: only their directions are used, unless \
              --pixel-size states the size of a pixel in their unit",
-            1,
+            usize::from(most > 1.05 * least),
         );
+        return Ok(());
+    };
+    if least > 0.99 && most < 1.01 {
+        return Ok(());
     }
+    let Some(first) = photographs.first() else { return Ok(()) };
+    let Shape { width, height, .. } = Shape::of(&read_bitmap_within(&first.path, &setup.limits)?);
+    let corner = 0.5 * pixel_size * f64::from(width).hypot(f64::from(height));
+    if most < corner {
+        let what = format!(
+            "the vectors of the lights end closer to the centre than the picture's corners ({corner:.3} away in the \
+             unit of --pixel-size): only their directions are used; if they are positions of lamps, state the size of \
+             a pixel in their unit"
+        );
+        warnings.note(what, 1);
+        return Ok(());
+    }
+    for (photograph, entry) in photographs.iter_mut().zip(entries) {
+        photograph.light.position = Some(Vec3::from_array(entry.vector) / pixel_size);
+    }
+    Ok(())
 }

@@ -10,7 +10,7 @@ use taotie::Limits;
 use taotie::studio::MaterialOptions;
 use taotie_engine::Result;
 use taotie_engine::image::Bitmap;
-use taotie_engine::scene::Scene;
+use taotie_io::Loaded;
 
 /// The options of a material. Maps given as arrays have a name there, in place of a path.
 #[derive(FromPyObject)]
@@ -40,12 +40,13 @@ impl MaterialRequest<'_> {
 }
 
 impl RequestedMaterial {
-    /// Applies the material to every material of `scene`, and reads the maps that are files within limits.
+    /// Applies the material to every material of `loaded`, and reads the maps that are files within limits.
     ///
     /// # Errors
     /// As [`MaterialOptions::apply`].
-    pub fn apply(&self, scene: &mut Scene, limits: &Limits) -> Result<()> {
-        self.options.apply_with(scene, &mut |path: &Path| match self.arrays.get(path) {
+    pub fn apply(&self, loaded: &mut Loaded, limits: &Limits) -> Result<()> {
+        loaded.is_edited |= self.options != MaterialOptions::default();
+        self.options.apply_with(&mut loaded.scene, &mut |path: &Path| match self.arrays.get(path) {
             Some(bitmap) => Ok(bitmap.clone()),
             None => taotie_io::read_bitmap_within(path, limits),
         })

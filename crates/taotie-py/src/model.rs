@@ -126,7 +126,7 @@ pub fn load(py: Python<'_>, path: PathBuf, request: ModelRequest<'_>, running: R
             MaterialOptions { variant: material.options.variant.clone(), ..MaterialOptions::default() };
         let read = move |_: Progress<'_>| {
             let mut loaded = studio::load(&file, &variant, &limits)?;
-            material.apply(&mut loaded.scene, &limits)?;
+            material.apply(&mut loaded, &limits)?;
             Ok(loaded)
         };
         let loaded = progress.begin("read the model")?.apart(read)?;
@@ -141,7 +141,7 @@ pub fn model_of_parts(py: Python<'_>, parts: Parts<'_>, material: MaterialReques
     let (parts, material) = (parts.taken(py)?, material.taken(py)?);
     work::detached(py, move || {
         let mut model = Model::in_memory(Loaded::new(parts.scene()?, Warnings::default(), "arrays"));
-        material.apply(&mut model.loaded.scene, &model.limits)?;
+        material.apply(&mut model.loaded, &model.limits)?;
         Ok(model)
     })
 }
@@ -250,7 +250,7 @@ impl Model {
             if let Some(variant) = &material.options.variant {
                 loaded.variants.apply(variant, &mut loaded.scene)?;
             }
-            material.apply(&mut loaded.scene, &self.limits)
+            material.apply(&mut loaded, &self.limits)
         })?;
         Ok(Self {
             loaded,

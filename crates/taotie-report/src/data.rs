@@ -220,7 +220,8 @@ impl Cell {
 
     /// Creates a number with `digits` decimals.
     pub fn number(value: f64, digits: usize) -> Self {
-        Self::Number { value: Some(value), digits }
+        // Adding zero turns -0, the sum of nothing, into 0.
+        Self::Number { value: Some(value + 0.0), digits }
     }
 }
 

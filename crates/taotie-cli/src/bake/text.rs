@@ -134,8 +134,9 @@ fn kilobytes(bytes: u64) -> String {
     format!("{:.0} kB", bytes as f64 / 1000.0)
 }
 
+/// Formats a share; the sum of no samples is -0, which adding zero turns into 0.
 fn percent(part: f64) -> String {
-    format!("{:.3} %", part * 100.0)
+    format!("{:.3} %", part * 100.0 + 0.0)
 }
 
 fn as_seen(figures: &Figures, level: &LevelFigures, table: &mut Table) {
@@ -394,4 +395,16 @@ fn requirement(met: &RequirementOutcome, triangles: &[usize]) -> String {
         },
     };
     format!("{verdict}: {}{level} {}", met.name(), met.text())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::percent;
+
+    #[test]
+    fn the_sum_of_no_samples_has_no_sign() {
+        let none: f64 = std::iter::empty::<f64>().sum();
+        assert!(none.is_sign_negative());
+        assert_eq!([percent(none), percent(0.125)], ["0.000 %", "12.500 %"]);
+    }
 }

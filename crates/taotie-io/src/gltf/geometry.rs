@@ -65,6 +65,13 @@ impl<'a> Vertices<'a> {
         if let Some(colors) = optional(Semantic::Colors(0)) {
             data.colors = parallel::collect(used.len(), |i| color(&colors, used[i]));
         }
+        let is_further = |semantic: &&Checked<Semantic>| match semantic {
+            Checked::Valid(Semantic::TexCoords(set)) => *set >= MAX_UV_SETS,
+            Checked::Valid(Semantic::Colors(set)) => *set > 0,
+            _ => false,
+        };
+        let further = self.primitive.attributes.keys().filter(is_further).count();
+        warnings.note("ignored uv sets beyond the first 8, and colour sets beyond the first", further);
         data
     }
 

@@ -63,6 +63,7 @@ impl Nodes {
             })
             .collect::<Result<Vec<_>>>()?;
         let Placed { all: placed, shown } = Placed::of(document, &parents, &levels)?;
+        warnings.note("ignored scenes other than the default", document.root.scenes.len().saturating_sub(1));
         warnings.note("nodes hidden by KHR_node_visibility: left out", placed.len() - shown.len());
         let instances = add_instances(document, &shown, &mut nodes, warnings)?;
         let world = world_matrices(&nodes).map_err(|error| match error {

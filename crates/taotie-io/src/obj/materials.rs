@@ -115,6 +115,7 @@ fn set_opacity_map(m: &mut Material, mtl: &Mtl, textures: &mut Textures, warning
     let Some(map) = &mtl.dissolve_map else { return };
     let key = format!("opacity {map:?} of {:?} in {}", mtl.diffuse_map, mtl.folder.display());
     let colored = mtl.diffuse_map.as_ref().filter(|_| m.base_color_texture.is_some());
+    note_placements([("map_Kd", colored), ("map_d", Some(map))], warnings);
     let index = textures.keyed(key, &names([colored, Some(map)]), |textures| {
         let opacity = textures.bitmap(map, &mtl.folder, warnings)?;
         let channel = map.channel.unwrap_or(Channel::Stored(if opacity.has_alpha() { 3 } else { 0 }));
@@ -131,6 +132,14 @@ fn set_opacity_map(m: &mut Material, mtl: &Mtl, textures: &mut Textures, warning
     let cutout = m.alpha == AlphaMode::Opaque && is_cutout(textures.list[texture].bitmap());
     m.alpha = if cutout { AlphaMode::Mask(0.5) } else { AlphaMode::Blend };
     m.base_color_texture = Some(texture_ref(texture, colored.unwrap_or(map)));
+}
+
+/// Notes if the second of two maps that are combined in one texture is placed differently than the first.
+fn note_placements([(first, a), (second, b)]: [(&str, Option<&Map>); 2], warnings: &mut Warnings) {
+    let Some((a, b)) = a.zip(b) else { return };
+    let differ = (a.scale, a.offset, a.clamp, a.uv_set) != (b.scale, b.offset, b.clamp, b.uv_set);
+    let what = format!("{second} and {first} have different options; using those of {first}");
+    warnings.note(what, usize::from(differ));
 }
 
 /// Returns `true` if at least 95% of texels are fully opaque or fully transparent.
@@ -155,10 +164,7 @@ fn set_emission(m: &mut Material, mtl: &Mtl, textures: &mut Textures, warnings: 
 fn set_metallic_roughness(m: &mut Material, mtl: &Mtl, textures: &mut Textures, warnings: &mut Warnings) {
     let (rough, metal) = (mtl.roughness_map.as_ref(), mtl.metallic_map.as_ref());
     let Some(placed) = rough.or(metal) else { return };
-    if let (Some(a), Some(b)) = (rough, metal) {
-        let differ = (a.scale, a.offset, a.clamp) != (b.scale, b.offset, b.clamp);
-        warnings.note("map_Pm and map_Pr have different options; using those of map_Pr", usize::from(differ));
-    }
+    note_placements([("map_Pr", rough), ("map_Pm", metal)], warnings);
     let read = |map: Option<&Map>, textures: &mut Textures, warnings: &mut Warnings| {
         map.and_then(|map| textures.bitmap(map, &mtl.folder, warnings))
     };

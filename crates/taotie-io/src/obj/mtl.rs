@@ -104,18 +104,23 @@ impl Mtl {
             "ks" => self.specular = Some(color(rest)?),
             "ke" => self.emissive = Some(color(rest)?),
             "ns" => self.shininess = Some(number(rest)?),
-            "d" => self.dissolve = Some(number(rest.trim_start_matches("-halo"))?),
+            "d" => {
+                let (halo, rest) = rest.strip_prefix("-halo").map_or((0, rest), |rest| (1, rest));
+                warnings.note(unused_option("-halo"), halo);
+                self.dissolve = Some(number(rest)?);
+            }
             "tr" => self.transparency = Some(number(rest)?),
             "pr" => self.roughness = Some(number(rest)?),
             "pm" => self.metallic = Some(number(rest)?),
-            "map_kd" => self.diffuse_map = Some(map(rest)?),
-            "map_ke" => self.emissive_map = Some(map(rest)?),
-            "map_d" => self.dissolve_map = Some(map(rest)?),
-            "map_bump" | "bump" => self.bump_map = Some(map(rest)?),
-            "norm" | "map_norm" | "map_kn" => self.normal_map = Some(map(rest)?),
-            "map_pr" => self.roughness_map = Some(map(rest)?),
-            "map_pm" => self.metallic_map = Some(map(rest)?),
-            "illum" | "ni" | "tf" | "km" | "kt" | "sharpness" => {}
+            "map_kd" => self.diffuse_map = Some(map(rest, warnings)?),
+            "map_ke" => self.emissive_map = Some(map(rest, warnings)?),
+            "map_d" => self.dissolve_map = Some(map(rest, warnings)?),
+            "map_bump" | "bump" => self.bump_map = Some(map(rest, warnings)?),
+            "norm" | "map_norm" | "map_kn" => self.normal_map = Some(map(rest, warnings)?),
+            "map_pr" => self.roughness_map = Some(map(rest, warnings)?),
+            "map_pm" => self.metallic_map = Some(map(rest, warnings)?),
+            "tf" => warnings.note(unused(keyword), usize::from(color(rest)? != [1.0; 3])),
+            "illum" | "ni" | "km" | "kt" | "sharpness" => {}
             _ => warnings.note(unused(keyword), 1),
         }
         Some(())
@@ -124,15 +129,20 @@ impl Mtl {
 
 /// Returns the note for an ignored statement; unknown ones share one, since there may be any number of them.
 fn unused(keyword: &str) -> String {
-    const KNOWN: [&str; 15] = [
+    const KNOWN: [&str; 16] = [
         "map_ka", "map_ks", "map_ns", "map_ps", "map_refl", "refl", "disp", "map_disp", "decal", "map_aat",
-        "ps", "pc", "pcr", "aniso", "anisor",
+        "ps", "pc", "pcr", "aniso", "anisor", "tf",
     ];
     if KNOWN.contains(&keyword) {
         format!("ignored MTL statement '{keyword}'")
     } else {
         "ignored unknown MTL statements".to_owned()
     }
+}
+
+/// Returns the note for an ignored option of a statement.
+fn unused_option(option: &str) -> String {
+    format!("ignored MTL option '{option}'")
 }
 
 /// Reads one or three numbers; negative ones become 0.
@@ -149,16 +159,17 @@ fn number(rest: &str) -> Option<f32> {
     rest.split_ascii_whitespace().next()?.parse().ok().filter(|value: &f32| value.is_finite())
 }
 
-/// Reads options and a file name, which may contain spaces; options may also follow the name.
-fn map(rest: &str) -> Option<Map> {
+/// Reads options and a file name, which may contain spaces; options may also follow the name. Ignored options are
+/// noted.
+fn map(rest: &str, warnings: &mut Warnings) -> Option<Map> {
     let mut map = Map::new(String::new());
     let mut rest = rest.trim();
-    while let Some(after) = map.option(rest) {
+    while let Some(after) = map.option(rest, warnings) {
         rest = after;
     }
     let name_end = trailing_options(rest);
     let mut tail = rest[name_end..].trim();
-    while let Some(after) = map.option(tail) {
+    while let Some(after) = map.option(tail, warnings) {
         tail = after;
     }
     map.file = rest[..name_end].trim().trim_matches('"').to_owned();
@@ -201,7 +212,7 @@ impl Map {
     }
 
     /// Reads one option from the start of `rest` and returns the words that follow it, or `None` if there is none.
-    fn option<'a>(&mut self, rest: &'a str) -> Option<&'a str> {
+    fn option<'a>(&mut self, rest: &'a str, warnings: &mut Warnings) -> Option<&'a str> {
         let (option, mut rest) = next_word(rest)?;
         let (least, most) = option_words(option)?;
         let mut words = Vec::with_capacity(most);
@@ -214,16 +225,12 @@ impl Map {
             rest = after;
         }
         self.apply(option, &words);
+        warnings.note(unused_option(option), usize::from(is_ignored(option, &words)));
         Some(rest)
     }
 
     fn apply(&mut self, option: &str, words: &[&str]) {
-        // A transform adds up to three such values.
-        let most = UvTransform::MOST / 4.0;
-        let value = |i: usize, absent: f32| {
-            let parsed = words.get(i).and_then(|w| w.parse::<f32>().ok());
-            parsed.filter(|v| v.abs() <= most).unwrap_or(absent)
-        };
+        let value = |i: usize, absent: f32| words.get(i).and_then(|word| value(word)).unwrap_or(absent);
         let first = words.first().copied().unwrap_or("");
         match option {
             "-s" => self.scale = [value(0, 1.0), value(1, 1.0)],
@@ -234,6 +241,27 @@ impl Map {
             "-imfchan" => self.channel = channel(first),
             _ => {}
         }
+    }
+}
+
+/// Reads the number of an option; `None` if it cannot be used. A transform adds up to three such values.
+fn value(word: &str) -> Option<f32> {
+    word.parse().ok().filter(|value: &f32| value.abs() <= UvTransform::MOST / 4.0)
+}
+
+/// Returns `true` for an option with an unusable value, and for one that is not read, unless it has its default.
+fn is_ignored(option: &str, words: &[&str]) -> bool {
+    let first = words.first().copied().unwrap_or("");
+    match option {
+        "-s" | "-o" | "-bm" => words.iter().any(|word| value(word).is_none()),
+        "-clamp" => !["on", "off"].contains(&first),
+        "-colorspace" => !["linear", "srgb"].contains(&first.to_ascii_lowercase().as_str()),
+        "-imfchan" => channel(first).is_none(),
+        "-mm" => !words.iter().map(|word| value(word)).eq([Some(0.0), Some(1.0)]),
+        "-t" | "-boost" => words.iter().any(|word| value(word) != Some(0.0)),
+        "-blendu" | "-blendv" => first != "on",
+        "-cc" => first != "off",
+        _ => true,
     }
 }
 
@@ -275,8 +303,9 @@ mod tests {
         assert_eq!((m.shininess, m.dissolve, m.transparency), (Some(20.0), Some(0.5), Some(0.25)));
         assert_eq!((m.roughness, m.metallic, m.emissive), (Some(0.2), None, None));
         let notes: Vec<&str> = warnings.iter().map(|(w, _)| w).collect();
-        assert_eq!(notes[0], "skipped MTL statement 'pm' without a usable value");
-        assert_eq!(notes.len(), 2);
+        let unusable =
+            ["pm", "ke"].map(|keyword| format!("skipped MTL statement '{keyword}' without a usable value"));
+        assert_eq!(notes, ["ignored MTL option '-halo'", &unusable[0], &unusable[1]]);
     }
 
     #[test]
@@ -297,6 +326,38 @@ mod tests {
         let emissive = m.emissive_map.unwrap();
         assert_eq!((emissive.file.as_str(), emissive.clamp), ("a b.png", true));
         assert!(m.normal_map.is_none());
+    }
+
+    #[test]
+    fn options_that_are_not_read_are_noted_unless_they_have_their_defaults() {
+        let defaults = "-mm 0 1 -t 0 0 0 -boost 0 -blendu on -blendv on -cc off -clamp off -o 0 0 0 -s 1 1 1";
+        let (m, warnings) = one(&format!(
+            "map_Kd {defaults} -colorspace sRGB a.png
+d .5
+map_d -imfchan l b.png"
+        ));
+        assert_eq!(m.diffuse_map, Some(Map::new("a.png".into())));
+        assert!(warnings.is_empty(), "{warnings:?}");
+        let (m, warnings) = one("map_Kd -mm 0 2 -t .1 -boost 1 -blendu off a.png -blendv off -texres 64
+map_Ks -mm 0 2 b.png\nTf .5 1 1\nTf 1
+             map_Pr -mm 0.2 1 -cc on -type sphere -imfchan z c.png -s 1e39
+norm -clamp 1 -colorspace raw d.png
+             d -halo .5");
+        assert_eq!((m.diffuse_map.unwrap().file, m.dissolve), ("a.png".into(), Some(0.5)));
+        let mut notes: Vec<String> = warnings.iter().map(|(what, count)| format!("{count} {what}")).collect();
+        notes.sort();
+        let options = ["blendu", "blendv", "boost", "cc", "clamp", "colorspace", "halo", "imfchan"];
+        let mut expected: Vec<String> = options.map(|o| format!("1 ignored MTL option '-{o}'")).into();
+        expected.extend(["s", "t", "texres", "type"].map(|o| format!("1 ignored MTL option '-{o}'")));
+        expected.extend(
+            [
+                "1 ignored MTL statement 'map_ks'",
+                "1 ignored MTL statement 'tf'",
+                "2 ignored MTL option '-mm'",
+            ]
+            .map(String::from),
+        );
+        assert_eq!(notes, expected);
     }
 
     #[test]

@@ -94,9 +94,9 @@ impl Parser {
             [b'v', b' ' | b'\t', ..] => {
                 words.skip(2);
                 let (values, count) = plain_numbers(&mut words)?;
-                let [x, y, z, r, g, b, _] = values;
+                let [x, y, z, r, g, b] = values;
                 let position = Vec3::new(x, y, z);
-                if !matches!(count, 3 | 6 | 7) || !position.is_finite() {
+                if !matches!(count, 3 | 6) || !position.is_finite() {
                     return None;
                 }
                 self.push_vertex(position, (count > 3).then_some([r, g, b]));
@@ -159,7 +159,10 @@ impl Parser {
             "g" => self.obj.marks.groups.push(self.mark(rest)),
             "p" => warnings.note("point statements are not drawn", 1),
             "l" => warnings.note("line statements are not drawn", 1),
-            "curv" | "curv2" | "surf" => warnings.note("free-form curves and surfaces are not drawn", 1),
+            "call" | "csh" => warnings.note("skipped statements that include other files", 1),
+            "curv" | "curv2" | "surf" | "bsp" | "bzp" | "cdc" | "cdp" => {
+                warnings.note("free-form curves and surfaces are not drawn", 1)
+            }
             _ if is_harmless(keyword) => {}
             _ => warnings.note("skipped unrecognised lines", 1),
         }
@@ -170,7 +173,8 @@ impl Parser {
     fn vertex(&mut self, rest: &str) -> std::result::Result<(), String> {
         let mut values = [0.0; 7];
         let count = fill(rest, &mut values)?;
-        let [x, y, z, r, g, b, _] = values;
+        let [x, y, z, r, g, b, alpha] = values;
+        self.warnings.note("ignored alpha of vertex colours", usize::from(count == 7 && alpha != 1.0));
         let mut position = Vec3::new(x, y, z);
         if count < 3 {
             return Err(format!("vertex with {count} numbers; expected at least 3"));
@@ -251,7 +255,7 @@ impl Parser {
 
 /// Returns `true` if a statement does not affect the image: merging groups, and attributes of free-form geometry.
 fn is_harmless(keyword: &str) -> bool {
-    const KEYWORDS: [&str; 34] = [
+    const KEYWORDS: [&str; 28] = [
         "mg",
         "vp",
         "lod",
@@ -275,12 +279,6 @@ fn is_harmless(keyword: &str) -> bool {
         "sp",
         "end",
         "con",
-        "call",
-        "csh",
-        "bsp",
-        "bzp",
-        "cdc",
-        "cdp",
         "res",
         "vc",
         "vw",

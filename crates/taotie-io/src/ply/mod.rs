@@ -15,11 +15,12 @@ use super::gltf::compact;
 use super::loaded::{Loaded, checked};
 use super::obj::neutral;
 use super::reading::{Reading, find};
+use super::text::quote;
 use ascii::Tokens;
 use elements::{Block, Decoder, FaceElement, Splitter, Vertices, Wanted, upright};
-use header::{Attributes, read_header};
+use header::{Attributes, Role, read_header, role};
 use payload::Element;
-use ply_rs_bw::ply::{Encoding as PayloadEncoding, Header};
+use ply_rs_bw::ply::{ElementDef, Encoding as PayloadEncoding, Header, PropertyDef};
 use std::path::Path;
 use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::groups::Groups;
@@ -45,6 +46,7 @@ pub(super) fn read(reading: &Reading) -> Result<Loaded> {
     let mut bytes = file::read(path)?;
     let (header, start, line) = read_header(path, &mut bytes)?;
     let elements = locate(path, &header, &bytes[start..], line)?;
+    note_ignored(&header, &mut warnings);
     let names = texture_names(&header, path);
     if !elements.attributes.face_textures {
         let more = names.len().saturating_sub(1);
@@ -91,6 +93,26 @@ struct Elements<'a> {
     vertices: Option<Element<'a>>,
     /// Polygons and strips.
     faces: Vec<FaceElement<'a>>,
+}
+
+/// Notes the properties and elements that are not read.
+fn note_ignored(header: &Header, warnings: &mut Warnings) {
+    let is_read = |element: &&ElementDef| ["vertex", "face", "tristrips"].contains(&element.name.as_str());
+    for element in header.elements.values().filter(is_read) {
+        let is_ignored = |(name, property): &(&String, &PropertyDef)| {
+            role(&element.name, name, &property.data_type) == Ok(Role::Ignored)
+        };
+        let ignored: Vec<_> = element.properties.iter().filter(is_ignored).collect();
+        let first = ignored.first().map_or("", |(name, _)| name.as_str());
+        let what = format!("ignored properties of element '{}', such as {}", element.name, quote(first));
+        warnings.note(what, ignored.len());
+    }
+    let others = || header.elements.values().filter(|element| !is_read(element) && element.count > 0);
+    let first = others().next().map_or("", |element| element.name.as_str());
+    warnings.note(format!("ignored elements, such as {}", quote(first)), others().count());
+    let Attributes { colors, face_colors, .. } = Attributes::of(header);
+    let are_both = colors.and(face_colors).is_some();
+    warnings.note("ignored colours of faces, since vertices have colours", usize::from(are_both));
 }
 
 /// Locates the drawable elements; the others are skipped.

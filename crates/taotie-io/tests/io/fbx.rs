@@ -201,6 +201,23 @@ fn missing_images_and_those_outside_are_noted() {
 }
 
 #[test]
+fn hidden_nodes_hide_those_below_them_unless_these_do_not_inherit() {
+    let hidden = "\"A\",0,0,90\n\t\t\tP: \"Visibility\", \"Visibility\", \"\", \"A\",0";
+    let text = with(PANEL, "\"A\",0,0,90", hidden);
+    let loaded = load(&text);
+    assert_eq!(loaded.objects.names, ["panel_low", "roof"]);
+    assert!(notes(&loaded).contains(&"1 skipped hidden meshes".into()), "{:?}", notes(&loaded));
+    let inheritance = |value: i32| {
+        let property = format!(
+            "\"A\",1,1,0.5\n\t\t\tP: \"Visibility Inheritance\", \"Visibility Inheritance\", \"\", \"\",{value}"
+        );
+        load(&with(&text, "\"A\",1,1,0.5", &property)).objects.names
+    };
+    assert_eq!(inheritance(0), ["panel_high", "panel_low", "roof"]);
+    assert_eq!(inheritance(1), ["panel_low", "roof"]);
+}
+
+#[test]
 fn what_is_not_read_is_noted() {
     let objects = "\tModel: 600, \"Model::sun\", \"Light\" {\n\t\tVersion: 232\n\t}\n\
                    \tNodeAttribute: 601, \"NodeAttribute::sun\", \"Light\" {\n\t\tTypeFlags: \"Light\"\n\t}\n\

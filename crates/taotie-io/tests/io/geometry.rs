@@ -181,6 +181,18 @@ fn obj_is_split_by_material_and_by_what_faces_have() {
 }
 
 #[test]
+fn obj_content_that_is_not_read_is_counted() {
+    let loaded = obj("v 0 0 0 1 0 0 .5\nv 1 0 0 1 1 1 1\nv 0 1 0\nf 1 2 3\ncall b.obj\nbzp 1 2 3\n");
+    let expected = [
+        "1 ignored alpha of vertex colours",
+        "1 skipped statements that include other files",
+        "1 free-form curves and surfaces are not drawn",
+    ];
+    assert_eq!(notes(&loaded), expected);
+    assert_eq!(loaded.scene.meshes()[0].colors()[0], [1.0, 0.0, 0.0, 1.0]);
+}
+
+#[test]
 fn obj_meshes_have_the_names_of_their_objects() {
     let vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\n";
     let named = obj(&format!("{vertices}o lid\nf 1 2 3\no foot of bronze\nf 1 2 3\nusemtl red\nf 2 3 1\n"));
@@ -260,6 +272,27 @@ fn texture_options_place_the_picture() {
     assert_eq!(loaded.scene.textures()[0].encoding(), Encoding::Srgb);
     assert_eq!(m.base_color, [1.0; 4]);
     assert!(notes_contain(&loaded, "Kd 0 0 0"));
+}
+
+#[test]
+fn maps_that_share_a_texture_but_not_its_options_are_noted() {
+    let grey = |name| (name, png(|u, _| [u; 3]));
+    for (mtl, note) in [
+        (
+            "map_Kd -s 2 2 a.png\nmap_d b.png",
+            "map_d and map_Kd have different options; using those of map_Kd",
+        ),
+        (
+            "map_Pr a.png\nmap_Pm -clamp on b.png",
+            "map_Pm and map_Pr have different options; using those of map_Pr",
+        ),
+        ("map_Kd -mm 0 2 a.png", "ignored MTL option '-mm'"),
+    ] {
+        let (_, loaded) = material(mtl, &[grey("a.png"), grey("b.png")]);
+        assert_eq!(notes(&loaded), [format!("1 {note}")], "{mtl}");
+    }
+    let (_, loaded) = material("map_Kd -s 2 2 a.png\nmap_d -s 2 2 b.png", &[grey("a.png"), grey("b.png")]);
+    assert!(loaded.warnings.is_empty(), "{:?}", notes(&loaded));
 }
 
 #[test]

@@ -200,9 +200,12 @@ fn node_transforms_multiply_down_the_tree() {
     let nodes = r#""scene":1,"scenes":[{},{"nodes":[0]}],
         "nodes":[{"children":[1],"translation":[1,2,3],"rotation":[0,0,0.70710678,0.70710678],"scale":[2,2,2]},
                  {"mesh":0,"matrix":[1,0,0,0, 0,1,0,0, 0,0,1,0, 5,0,0,1]},{"mesh":0}],
-        "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}]"#;
+        "meshes":[{"primitives":[{"attributes":{"POSITION":0,"COLOR_1":0,"TEXCOORD_8":0,"_ID":0}}]}]"#;
     let loaded = triangle().load(nodes);
     assert_eq!(loaded.scene.instances().len(), 1, "node 2 is in no shown scene");
+    let notes: Vec<(&str, usize)> = loaded.warnings.iter().collect();
+    let sets = "ignored uv sets beyond the first 8, and colour sets beyond the first";
+    assert_eq!(notes, [("ignored scenes other than the default", 1), (sets, 2)]);
     // (1, 0, 0) + 5 along x, doubled, turned by 90° about z, moved.
     let p = loaded.scene.instances()[0].world_from_object.transform_point(v(1.0, 0.0, 0.0).to_f64());
     assert!((p - v(1.0, 14.0, 3.0).to_f64()).length() < 1e-6, "{p:?}");

@@ -192,6 +192,33 @@ fn positions_in_an_lp_file_are_near_lamps_if_the_pixel_size_is_known() {
 }
 
 #[test]
+fn vectors_that_end_within_the_picture_are_directions() {
+    let folder = tempfile::tempdir().unwrap();
+    (0..16).for_each(|k| write_grey(folder.path(), k, &[0; WIDTH * HEIGHT]));
+    // Of one decimal, so that lengths differ by more than 5 %.
+    let rounded = |v: f64, scale: f64| (v * 10.0).round() / 10.0 * scale;
+    let opened = |scale: f64| {
+        let line = |(k, lamp): (usize, &Lamp)| {
+            let [x, y, z] = lamp.at.to_array().map(|v| rounded(v, scale));
+            format!("{k:02}.png {x} {y} {z}\n")
+        };
+        let lp: String = lamps(false, 16).iter().enumerate().map(line).collect();
+        write_text(&folder.path().join("dome.lp"), &format!("16\n{lp}")).unwrap();
+        let mut warnings = Warnings::default();
+        let setup = Setup { pixel_size: Some(0.05), ..Setup::default() };
+        let set = PhotographSet::open_with(folder.path(), &setup, &mut warnings, Progress::SILENT).unwrap();
+        let notes: Vec<String> = warnings.iter().map(|(what, _)| what.to_owned()).collect();
+        (set, notes)
+    };
+    let (short, notes) = opened(1.0);
+    assert!(short.lights().iter().all(|light| light.position.is_none() && light.intensity == [1.0; 3]));
+    let start = "the vectors of the lights end closer to the centre than the picture's corners (7.810 away";
+    assert!(notes.len() == 1 && notes[0].starts_with(start), "{notes:?}");
+    let (long, notes) = opened(10.0);
+    assert!(long.lights().iter().all(|light| light.position.is_some()) && notes.is_empty(), "{notes:?}");
+}
+
+#[test]
 fn a_grey_ball_or_a_board_shows_how_bright_each_light_is() {
     let folder = tempfile::tempdir().unwrap();
     let mut lamps = lamps(false, 16);

@@ -58,6 +58,7 @@ pub fn load(path: &Path, options: &MaterialOptions, limits: &Limits) -> Result<L
         chosen.map_err(|error| error.within(path.display()))?;
     }
     options.apply_within(&mut loaded.scene, limits)?;
+    loaded.is_edited |= *options != MaterialOptions::default();
     Ok(loaded)
 }
 

@@ -2,7 +2,9 @@
 
 use crate::files::data_files;
 use crate::modelled::{askew, loose, nut, welded};
-use taotie::asset::{Scan, ScanFile, ScanOptions};
+use taotie::Limits;
+use taotie::asset::{Asset, BakeOptions, Baker, Packing, Requirement, Scan, ScanFile, ScanOptions};
+use taotie::studio::{self, MaterialFactors, MaterialOptions};
 use taotie_engine::Progress;
 use taotie_engine::image::{Bitmap, Encoding, Sampler, Texels, Texture};
 use taotie_engine::math::{Mat4, Vec3, scalar};
@@ -10,6 +12,7 @@ use taotie_engine::mesh::Mesh;
 use taotie_engine::scene::{
     GreenChannel, Instance, Material, NormalMap, NormalSpace, Scene, SceneData, TextureRef, UvTransform,
 };
+use taotie_io::{GltfFormat, load_model, write_scene};
 
 fn read(scene: Scene, options: ScanOptions) -> Scan {
     ScanFile::from_scene(scene).unwrap().with_options(options).into_scan(Progress::SILENT).unwrap()
@@ -206,4 +209,78 @@ fn a_crease_angle_out_of_range_is_refused() {
     let scene = Scene::of_mesh(welded(&nut(24)), Material::default()).unwrap();
     let refused = ScanFile::from_scene(scene).unwrap().with_options(options).into_scan(Progress::SILENT);
     assert!(refused.unwrap_err().to_string().contains("between 0 and 180"));
+}
+
+/// A ball with a texture of 128 texels across, and a material with it.
+fn textured(texel: fn(u32) -> [u8; 4], encoding: Encoding, material: fn(TextureRef) -> Material) -> Scene {
+    let texture =
+        TextureRef { texture: 0, uv_set: 0, sampler: Sampler::default(), transform: UvTransform::default() };
+    let bitmap = Bitmap::new(128, 128, 3, Texels::U8((0..128 * 128).map(texel).collect())).unwrap();
+    Scene::new(SceneData {
+        meshes: vec![Mesh::sphere(1.0, 48, 24)],
+        materials: vec![material(texture)],
+        textures: vec![Texture::new(bitmap, encoding)],
+        instances: vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }],
+        ..SceneData::default()
+    })
+    .unwrap()
+}
+
+/// Returns the smallest asset of a scan whose normals are off by at most a degree.
+fn smallest(scan: ScanFile) -> Asset {
+    let options =
+        BakeOptions { goal: Some(vec![Requirement::mean_angle_deg(1.0)]), ..BakeOptions::default() };
+    Baker::new(options).bake(scan.into_scan(Progress::SILENT).unwrap(), Progress::SILENT).unwrap()
+}
+
+/// A packed scan is not its file if its materials were changed since.
+#[test]
+fn an_edited_scan_is_packed_as_edited() {
+    let (folder, limits) = (tempfile::tempdir().unwrap(), Limits::default());
+    let path = folder.path().join("scan.glb");
+    let waves = |i: u32| {
+        let wave = |v: u32| (100.0 + 80.0 * scalar::sin(f64::from(v) * 0.2)) as u8;
+        [wave(i % 128), wave(i / 128), 90, 255]
+    };
+    let scene = textured(waves, Encoding::Srgb, |texture| Material {
+        base_color_texture: Some(texture),
+        roughness: 0.7,
+        ..Material::default()
+    });
+    write_scene(&path, &scene, &GltfFormat::default()).unwrap();
+    let factors = MaterialFactors { roughness: Some(0.2), ..MaterialFactors::default() };
+    let edited = MaterialOptions { factors, ..MaterialOptions::default() };
+    for (options, roughness) in [(MaterialOptions::default(), 0.7), (edited, 0.2)] {
+        let loaded = studio::load(&path, &options, &limits).unwrap();
+        let asset = smallest(ScanFile::from_loaded(loaded, &path, &limits).unwrap());
+        assert!(asset.trials().iter().any(|trial| trial.is_scan && trial.is_near), "{:?}", asset.trials());
+        assert!(asset.origin().is_scan, "{:?}", asset.trials());
+        let out = folder.path().join("out.glb");
+        let written = asset.write(out, &Packing::default(), Progress::SILENT).unwrap();
+        let packed = load_model(written.path()).unwrap();
+        assert!((packed.scene.materials()[0].roughness - roughness).abs() < 1e-6, "{roughness}");
+    }
+}
+
+/// A packed scan is not its file either if green of its normal map points down, which glTF does not allow.
+#[test]
+fn a_scan_with_green_pointing_down_is_packed_with_green_pointing_up() {
+    let (folder, limits) = (tempfile::tempdir().unwrap(), Limits::default());
+    let path = folder.path().join("scan.glb");
+    let scene = textured(
+        |_| [128, 192, 238, 255],
+        Encoding::Normal,
+        |texture| {
+            let (space, green) = (NormalSpace::Tangent, GreenChannel::Up);
+            let normal = Some(NormalMap { texture, scale: 1.0, space, green });
+            Material { normal, base_color: [0.8, 0.1, 0.1, 1.0], ..Material::default() }
+        },
+    );
+    write_scene(&path, &scene, &GltfFormat::default()).unwrap();
+    for green in [GreenChannel::Up, GreenChannel::Down] {
+        let options = ScanOptions { green: Some(green), ..ScanOptions::default() };
+        let asset = smallest(ScanFile::read(&path, &limits, Progress::SILENT).unwrap().with_options(options));
+        let packed = asset.trials().iter().filter(|trial| trial.is_scan).map(|trial| trial.mean_angle);
+        assert!(packed.fold(f64::INFINITY, f64::min) < 1.0, "{green:?}: {:?}", asset.trials());
+    }
 }

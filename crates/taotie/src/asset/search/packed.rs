@@ -97,10 +97,9 @@ fn shown(scan: &Scan, image: &LossyTexture) -> Option<Shown> {
     (!textures.is_empty()).then(|| Shown { textures, encoding: image.encoding() })
 }
 
-/// Opens the file of a scan, or converts the scan to glTF if its file is in another format, it has several, or its noise
-/// was removed. Also
-/// returns the losses of that. Those that affect angles or colours are measured with the candidate, and all others also
-/// occur in candidates made from the scan.
+/// Opens the file of a scan, or converts the scan to glTF if its file is in another format, it has several, or it was
+/// changed since. Also returns the losses of that. Those that affect angles or colours are measured with the candidate,
+/// and all others also occur in candidates made from the scan.
 pub(super) fn packer(scan: &Scan) -> Result<(GltfPacker, Warnings)> {
     let mut lost = Warnings::default();
     if let Some(path) = scan.packed_file().filter(|path| taotie_io::is_gltf(path).unwrap_or(false)) {

@@ -209,13 +209,13 @@ impl<'a> Workshop<'a> {
     }
 
     /// Returns `true` if the packed scan itself would contain everything requested: no map must be baked, it need not
-    /// be watertight, and it is not a coarser level of a generated asset. Without its noise it has no motion or variants.
+    /// be watertight, and it is not a coarser level of a generated asset. Changed, it has no motion or variants.
     pub fn may_pack(&self) -> bool {
         let (options, scan) = (self.recipe.options, self.subject.scan);
         let about = &scan.about;
         let carried = about.carried.maps();
         let is_own = |map: &MapKind| *map == MapKind::Normal || carried.has(*map);
-        let is_whole = !(scan.is_denoised && about.is_rigged);
+        let is_whole = !(scan.is_changed && about.is_rigged);
         is_whole
             && options.carry
             && !options.remesh

@@ -11,7 +11,7 @@ use taotie_engine::math::{Mat4, Vec3, scalar};
 use taotie_engine::mesh::{Mesh, MeshData, with_flat_normals};
 use taotie_engine::names::Named;
 use taotie_engine::parallel;
-use taotie_engine::scene::{GreenChannel, NormalMap, NormalSpace, Scene, SceneData};
+use taotie_engine::scene::{GreenChannel, Material, NormalMap, NormalSpace, Scene, SceneData};
 use taotie_engine::surface::{
     Bends, GreenVerdict, MODELLED_CREASE_DEG, Opposed, facet_normal, looks_scanned,
 };
@@ -504,6 +504,13 @@ fn set_green(parts: &mut SceneData, options: &ScanOptions, warnings: &mut Warnin
     }
 }
 
+/// Returns `true` if green points down in a normal map, which a glTF file cannot state: it was read so because of its
+/// pixels or the options.
+pub(super) fn has_green_down(scene: &Scene) -> bool {
+    let is_down = |material: &Material| material.normal.is_some_and(|map| map.green == GreenChannel::Down);
+    scene.materials().iter().any(is_down)
+}
+
 /// Returns a confidence in words; it is never certain.
 fn surely(confidence: f32) -> String {
     format!("{:.1} % sure from its pixels", (100.0 * f64::from(confidence)).min(99.9))
@@ -546,7 +553,6 @@ pub(super) fn check_rounding((mesh, path): (&Mesh, &Path), warnings: &mut Warnin
 #[cfg(test)]
 mod tests {
     use super::*;
-    use taotie_engine::scene::Material;
 
     #[test]
     fn the_offset_to_subtract_suits_the_size_of_the_scan() {

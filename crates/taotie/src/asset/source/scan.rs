@@ -3,7 +3,8 @@
 //! Its tree takes more memory than its triangles. It is built when rays first need it, which is after simplification.
 
 use super::corrections::{
-    FileUnit, ScanOptions, added_vertices, check_rounding, corrected, into_metres, to_one_unit,
+    FileUnit, ScanOptions, added_vertices, check_rounding, corrected, has_green_down, into_metres,
+    to_one_unit,
 };
 use super::material::{Carried, is_plain};
 use super::size::{
@@ -48,6 +49,8 @@ pub(in crate::asset) struct About {
     pub one_level: Option<&'static str>,
     /// How it is read; the unit is the metre for glTF unless the caller specifies another.
     pub options: ScanOptions,
+    /// `true` if it was changed after reading, such as its materials.
+    pub is_edited: bool,
 }
 
 impl About {
@@ -69,6 +72,7 @@ impl About {
             is_rigged: false,
             one_level: None,
             options: ScanOptions::default(),
+            is_edited: false,
         }
     }
 
@@ -127,8 +131,8 @@ pub struct Scan {
     surface: Arc<TexturedMesh>,
     /// The surface sorted for rays; empty until needed.
     sorted: Arc<OnceLock<bake::Scan>>,
-    /// `true` if its noise was removed, so that it is not as in its file.
-    pub(in crate::asset) is_denoised: bool,
+    /// `true` if it is not as in its file: it was edited, or its noise was removed.
+    pub(in crate::asset) is_changed: bool,
     /// The device that casts the rays of bakes; `None` for the CPU.
     pub(in crate::asset) device: Option<Arc<dyn RayDevice>>,
     /// Its watertight outer surface; empty until needed.
@@ -241,6 +245,7 @@ impl ScanFile {
         let is_rigged = loaded.rig.is_some() || !loaded.variants.names().is_empty();
         let about = About {
             is_rigged,
+            is_edited: loaded.is_edited,
             one_level: loaded.moving.or((loaded.levels > 1).then_some("its own levels")),
             models: vec![model],
             files,
@@ -321,6 +326,7 @@ impl ScanFile {
             let Self { scene, mut about, limits } = self;
             let scene = corrected(scene, &about.options, &mut about.warnings)?;
             about.size = ScanSize::of(&scene, about.carried.maps());
+            let is_changed = about.is_edited || has_green_down(&scene);
             let surface = Arc::new(bake::Scan::surface_of(scene)?);
             let path = about.path().to_path_buf();
             check_rounding((surface.mesh(), &path), &mut about.warnings)?;
@@ -329,7 +335,7 @@ impl ScanFile {
                 sorted: Arc::default(),
                 device: None,
                 remeshed: Arc::default(),
-                is_denoised: false,
+                is_changed,
                 about: Arc::new(about),
                 limits,
             })
@@ -454,13 +460,10 @@ impl Scan {
         self.about.path()
     }
 
-    /// Returns the file whose whole content a packed scan has: the only one that it was read from, unless its noise
-    /// was removed.
+    /// Returns the file whose whole content a packed scan has: its only one, unless it was changed since.
     pub(in crate::asset) fn packed_file(&self) -> Option<&Path> {
-        match &self.about.models[..] {
-            [model] if !self.is_denoised => Some(&model.path),
-            _ => None,
-        }
+        let is_kept = self.about.models.len() == 1 && !self.is_changed;
+        self.about.models.first().filter(|_| is_kept).map(|model| &*model.path)
     }
 
     /// Returns all files that it was read from, the model files first; empty in memory.
@@ -513,7 +516,7 @@ impl Scan {
         let surface = Arc::new(self.surface.in_shape(mesh));
         let noise = Noise { removed: Some(change), ..noise };
         let (sorted, remeshed) = (Arc::default(), Arc::default());
-        let scan = Self { surface, sorted, remeshed, is_denoised: true, ..self };
+        let scan = Self { surface, sorted, remeshed, is_changed: true, ..self };
         Ok((scan, Some(ScanNoise { noise, angles })))
     }
 
