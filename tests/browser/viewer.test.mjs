@@ -286,13 +286,19 @@ test("the error under the pointer matches the map", async () => {
     assertQuiet(page);
 });
 
+// Returns the point of a model under a point of the window, its uncertainty, and true if the model is the asset.
+const picked = (page, at) =>
+    page.evaluate((at) => {
+        const { point, precision, exhibit } = window.taotie.pick(...at);
+        return { point: point.toArray(), precision, isAsset: exhibit.isAsset };
+    }, at);
+
 test("distances and sections are measured on the model", async () => {
     const page = await shown("proof.html");
     // Whole pixels, since Firefox rounds mouse positions.
     const pixel = async (at) => (await pointOf(page, "canvas", at)).map(Math.round);
     const ends = [await pixel([0.45, 0.5]), await pixel([0.55, 0.5])];
-    const picked = (at) => page.evaluate((at) => ({ ...window.taotie.pick(...at), point: window.taotie.pick(...at).point.toArray() }), at);
-    const picks = [await picked(ends[0]), await picked(ends[1])];
+    const picks = [await picked(page, ends[0]), await picked(page, ends[1])];
     const points = picks.map(({ point }) => point);
     const length = Math.hypot(...points[0].map((v, i) => v - points[1][i]));
     // Half a pixel for each end: the picture shows a ball of two units with a margin, and its near side is larger.
@@ -323,6 +329,60 @@ test("distances and sections are measured on the model", async () => {
     const sagitta = 1 - Math.sqrt(1 - (length / 2) ** 2);
     assert(Math.max(...nearSide) <= sagitta + 0.02 && Math.max(...nearSide) > 0, `${nearSide}, ${sagitta}`);
     assertQuiet(page);
+});
+
+test("right of the wipe, points are those of the scan and have no error", async () => {
+    const page = await openViewer(browser, "proof.html", { fragment: "mode=error&beside=scan&split=0.3" });
+    const ends = [await pointOf(page, "canvas", [0.5, 0.3]), await pointOf(page, "canvas", [0.53, 0.35])];
+    const degrees = () => page.evaluate((at) => window.taotie.errorUnder(...at), ends[0]);
+    const distance = ([x, y, z]) => Math.abs(Math.hypot(x, y / 0.8, z) - 1);
+    const scan = [await picked(page, ends[0]), await picked(page, ends[1])];
+    assert.deepEqual(scan.map(({ isAsset }) => isAsset), [false, false]);
+    assert.equal(await degrees(), undefined);
+    await page.locator("summary", { hasText: "Measure" }).click();
+    await page.getByRole("button", { name: "Section" }).click();
+    for (const at of ends) await page.mouse.click(...at);
+    // The distance between asset and scan does not make points of the scan uncertain.
+    const doubt = Number((await page.locator(".result").textContent()).match(/ ± ([0-9.]+) cm$/)[1]) / 100;
+    const known = Math.hypot(...scan.map(({ precision }) => precision));
+    near(doubt, known, 0.1 * known);
+    const csv = await saved(page, () => page.getByRole("button", { name: "Profile as CSV" }).click());
+    const pieces = csv.toString().trim().split("\n").length - 1;
+    await page.evaluate(() => window.taotie.change({ split: 1 }));
+    await still(page);
+    const asset = await picked(page, ends[0]);
+    assert.equal(asset.isAsset, true);
+    assert((await degrees()) >= 0);
+    assert(distance(scan[0].point) < 0.3 * distance(asset.point), `${scan[0].point}, ${asset.point}`);
+    for (const at of ends) await page.mouse.click(...at);
+    const coarse = await saved(page, () => page.getByRole("button", { name: "Profile as CSV" }).click());
+    assert(pieces > coarse.toString().trim().split("\n").length - 1, "the profile is that of the scan");
+    assertQuiet(page);
+    await page.close();
+});
+
+test("an angle needs three different points in a row", async () => {
+    const page = await openViewer(browser, "proof.html");
+    await page.locator("summary", { hasText: "Measure" }).click();
+    await page.getByRole("button", { name: "Angle" }).click();
+    const result = page.locator(".result");
+    const center = () => page.getByRole("button", { name: "Point at the centre" }).click();
+    const [x, y] = await pointOf(page, "canvas", [0.53, 0.45]);
+    const other = () => page.mouse.click(x, y);
+    const same = /^This is the same point as the previous one/;
+    const steps = [
+        [center, /^Pick 2 more points/],
+        [center, same],
+        [other, /^Pick 1 more point/],
+        [other, same],
+        [center, /^[0-9.]+ ± [0-9.]+°$/],
+    ];
+    for (const [act, expected] of steps) {
+        await act();
+        assert.match(await result.textContent(), expected);
+    }
+    assertQuiet(page);
+    await page.close();
 });
 
 // Listens to the errors of the element, without their messages in the console.
@@ -551,15 +611,16 @@ test("an unreadable model shows an error message", async () => {
     assert.deepEqual(complaints(page), []);
 });
 
-// Opens a page from a server for the folder, and checks that nothing is fetched from elsewhere.
-async function served(name, where = "") {
+// Opens a page from a server for the folder, with some files replaced, and checks that nothing is fetched from elsewhere.
+async function served(name, where = "", replaced = {}) {
     const page = await newPage(browser, SIZE);
     const site = "http://localhost/";
     const elsewhere = [];
     page.on("request", (request) => request.url().startsWith(site) || elsewhere.push(request.url()));
     await page.route(`${site}**`, (route) => {
         const { pathname } = new URL(route.request().url());
-        return route.fulfill({ path: path.join(folder, where, pathname) });
+        const body = replaced[pathname.slice(1)];
+        return route.fulfill(body ? { body } : { path: path.join(folder, where, pathname) });
     });
     await page.goto(site + name);
     await still(page);
@@ -576,6 +637,58 @@ test("a folder shows the same as the page", async () => {
     await still(page);
     assert(page.url().endsWith("#mode=clay"));
     await page.close();
+});
+
+test("a file that could not be fetched is fetched again for the next change", async () => {
+    const page = await served("index.html#surface=smooth", "site");
+    await page.evaluate(listenToErrors);
+    await page.route("**/codes.bin", (route) => route.fulfill({ status: 503 }), { times: 1 });
+    await page.evaluate(() => window.taotie.change({ surface: "bump" }));
+    await page.waitForFunction(() => window.refused.length > 0);
+    assert.match((await page.evaluate(() => window.refused)).join(), /^codes.bin was not found .*503/);
+    await page.evaluate(() => window.taotie.change({ exposure: 1 }));
+    await still(page);
+    await page.close();
+});
+
+// PNGs of one texel, whose alpha is 255 and 0.
+const TEXELS = ["XnPwAGmgLqY9DQ5gAAAABJRU5ErkJggg==", "WHAQAFmwHrmUtcUgAAAABJRU5ErkJggg=="].map((end) =>
+    Buffer.from(`iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mPYEn${end}`, "base64"),
+);
+
+// Returns a GLB whose first material has this image as its normal map, and as that of metalness and roughness.
+function withMap(glb, png) {
+    const json = JSON.parse(glb.subarray(20, 20 + glb.readUInt32LE(12)));
+    const old = glb.subarray(28 + glb.readUInt32LE(12));
+    const bytes = Buffer.concat([old, png, Buffer.alloc(-png.length & 3)]);
+    json.bufferViews.push({ buffer: 0, byteOffset: old.length, byteLength: png.length });
+    json.buffers[0].byteLength = bytes.length;
+    json.images.push({ bufferView: json.bufferViews.length - 1, mimeType: "image/png" });
+    const { normalTexture, pbrMetallicRoughness } = json.materials[0];
+    for (const { index } of [normalTexture, pbrMetallicRoughness.metallicRoughnessTexture]) {
+        json.textures[index] = { source: json.images.length - 1, sampler: 0 };
+    }
+    const text = Buffer.from(JSON.stringify(json));
+    const head = Buffer.concat([text, Buffer.alloc(-text.length & 3, " ")]);
+    const words = (...all) => Buffer.from(Uint32Array.from(all).buffer);
+    const [JSON_CHUNK, BINARY_CHUNK] = [0x4e4f534a, 0x004e4942];
+    const size = 28 + head.length + bytes.length;
+    return Buffer.concat([glb.subarray(0, 8), words(size, head.length, JSON_CHUNK), head, words(bytes.length, BINARY_CHUNK), bytes]);
+}
+
+test("the alpha of maps without colours has no effect", async () => {
+    const glb = await readFile(path.join(folder, "site/asset.glb"));
+    const drawn = [];
+    for (const png of TEXELS) {
+        const page = await served("index.html#surface=tangent-normal", "site", { "asset.glb": withMap(glb, png) });
+        for (const mode of ["tangent-normals", "roughness"]) {
+            await page.evaluate((mode) => window.taotie.change({ mode }), mode);
+            drawn.push(pixelData(await picture(page, [64, 64])));
+        }
+        assert.deepEqual(complaints(page), []);
+        await page.close();
+    }
+    assert.deepEqual(drawn.slice(2), drawn.slice(0, 2));
 });
 
 test("an element shows a folder on a page with other content", async (t) => {
@@ -653,6 +766,14 @@ test("the report of a bake starts with its asset", async () => {
     const { violations } = await page.evaluate(() => window.axe.run());
     assert.deepEqual(violations.map(({ id, nodes }) => [id, nodes.map(({ html }) => html)]), []);
     assertQuiet(page);
+});
+
+test("projection rays are shown on both sides of the wipe", async () => {
+    const page = await openViewer(browser, "baked.report.html", { fragment: "view=model&model=rays%3Dtrue%26beside%3Dsmooth" });
+    const { rays, beside } = await state(page);
+    assert.deepEqual([rays, beside], [true, "smooth"]);
+    assertQuiet(page);
+    await page.close();
 });
 
 test("manifests contain the views of the page", async () => {

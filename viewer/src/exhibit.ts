@@ -21,6 +21,7 @@ import { BEST } from "./fields";
 import { type Frame, Materials, PRINTED } from "./materials";
 import { isShaded } from "./modes";
 import { type Model, readModel } from "./model";
+import { Once } from "./once";
 import { ShadowMap } from "./shadows";
 import type { State } from "./state";
 import { type Source, Textures } from "./textures";
@@ -38,8 +39,7 @@ export interface Shared extends Source {
 
 export class Exhibit {
     private readonly checker = checker();
-    private readonly errors = new Map<number, Promise<RawShaderMaterial>>();
-    private maps: Promise<ErrorMaps> | undefined;
+    private readonly errors = new Once<number, RawShaderMaterial>();
 
     private constructor(
         private readonly shared: Shared,
@@ -65,6 +65,11 @@ export class Exhibit {
         return this.data.surfaces.length;
     }
 
+    /** True for the asset, false for the scan. */
+    get isAsset(): boolean {
+        return this.data === this.shared.data.models[0];
+    }
+
     /** The index of the method by which a surface is drawn. */
     method(number: number, { surface, mode }: State): number {
         const { best, drawn } = this.data.surfaces[number]!;
@@ -75,7 +80,7 @@ export class Exhibit {
     async material(number: number, state: State): Promise<RawShaderMaterial> {
         const { mode } = state;
         if (mode === "uv") return this.checker;
-        if (mode === "error" && this.data === this.shared.data.models[0]) return this.errorMaterial(number);
+        if (mode === "error" && this.isAsset) return this.errorMaterial(number);
         const drawn = mode === "error" ? "clay" : mode;
         const shading = this.shared.data.shadings.indexOf(isShaded(mode) ? state.shading : "ggx");
         return this.materials.get(number, shading, this.method(number, state), drawn);
@@ -83,15 +88,14 @@ export class Exhibit {
 
     /** The normal errors of the model. */
     errorMaps(): Promise<ErrorMaps> {
-        this.maps ??= ErrorMaps.load(this.shared.data.errors!, this.shared.blobs);
-        return this.maps;
+        return ErrorMaps.load(this.shared.data.errors!, this.shared.kept);
     }
 
     /** The projection rays of the model: those that found the scan, and those that did not. */
     async rays(): Promise<LineSegments[]> {
-        const { data, blobs } = this.shared;
-        if (data.rays === null || this.data !== data.models[0]) return [];
-        const ends = new Float32Array(await blobs("rays"));
+        const { data, kept } = this.shared;
+        if (data.rays === null || !this.isAsset) return [];
+        const ends = new Float32Array(await kept("rays"));
         const parts = [ends.subarray(0, data.rays * 6), ends.subarray(data.rays * 6)];
         return parts.map((part, kind) => {
             const geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(part, 3));
@@ -103,9 +107,7 @@ export class Exhibit {
     }
 
     private errorMaterial(number: number): Promise<RawShaderMaterial> {
-        const known = this.errors.get(number) ?? this.errorMaps().then((maps) => maps.material(number));
-        this.errors.set(number, known);
-        return known;
+        return this.errors.get(number, async () => (await this.errorMaps()).material(number));
     }
 }
 
@@ -115,10 +117,9 @@ export class Showing {
     readonly meshes: Mesh[];
     private readonly wires: LineSegments[] = [];
     private readonly rays: LineSegments[] = [];
-    private loading: Promise<LineSegments[]> | undefined;
     private shadow: ShadowMap | undefined;
 
-    constructor(private readonly exhibit: Exhibit) {
+    constructor(readonly exhibit: Exhibit) {
         this.meshes = exhibit.model.geometries.map((geometry) => new Mesh(geometry));
         for (const mesh of this.meshes) mesh.frustumCulled = false;
         this.scene.add(...this.meshes);
@@ -166,9 +167,9 @@ export class Showing {
     }
 
     private async showRays(shown: boolean): Promise<void> {
-        if (shown) {
-            this.loading ??= this.exhibit.rays();
-            const loaded = await this.loading;
+        if (shown && this.rays.length === 0) {
+            const loaded = await this.exhibit.rays();
+            // Another state may have been prepared in the meantime.
             if (this.rays.length === 0 && loaded.length > 0) {
                 this.rays.push(...loaded);
                 this.scene.add(...loaded);

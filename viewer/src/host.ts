@@ -40,11 +40,11 @@ const pageUrl = (): string => location.href.split("#")[0]!;
 
 /** Reads from elements of the page; each is read only once. */
 export const ofPage = (): Source => ({
-    blobs: (name) => {
+    blobs: async (name) => {
         const element = document.getElementById(`taotie-${name}`);
-        const bytes = decoded(element?.textContent ?? "");
+        const bytes = await unpacked(decoded(element?.textContent ?? ""));
         element?.remove();
-        return unpacked(bytes);
+        return bytes;
     },
     still: () => {
         const text = document.getElementById("taotie-still")?.textContent;

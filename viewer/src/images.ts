@@ -64,34 +64,43 @@ export function imageTexture(image: ImageBitmap, use: TextureUse, isSrgb: boolea
     return texture;
 }
 
-/** A mip level of floats, row by row. */
-interface Level {
-    numbers: Float32Array;
+/** A mip level, row by row. */
+interface Level<T> {
+    data: T;
     width: number;
     height: number;
 }
 
-/** The next level: means of two by two texels. Odd sides lose their last row or column. */
-function halved({ numbers, width, height }: Level, channels: number): Level {
-    const [w, h] = [Math.max(1, width >> 1), Math.max(1, height >> 1)];
-    const [right, below] = [width > 1 ? channels : 0, height > 1 ? width * channels : 0];
-    const means = new Float32Array(w * h * channels);
-    for (let y = 0, to = 0; y < h; y++) {
-        for (let x = 0; x < w; x++) {
-            const from = (2 * y * (height > 1 ? width : 0) + 2 * x * (width > 1 ? 1 : 0)) * channels;
-            for (let c = from; c < from + channels; c++, to++) {
-                const sum = numbers[c]! + numbers[c + right]! + numbers[c + below]! + numbers[c + right + below]!;
-                means[to] = sum / 4;
-            }
-        }
-    }
-    return { numbers: means, width: w, height: h };
+/** All levels; `halved` returns the next one. */
+function levels<T>(finest: Level<T>, halved: (level: Level<T>) => Level<T>): Level<T>[] {
+    const all = [finest];
+    for (let last = finest; last.width > 1 || last.height > 1; all.push(last)) last = halved(last);
+    return all;
 }
 
-function levels(finest: Level, channels: number): Level[] {
-    const all = [finest];
-    for (let last = finest; last.width > 1 || last.height > 1; all.push(last)) last = halved(last, channels);
-    return all;
+/** The next level: its sides, its number of texels, and a function for the numbers of the four texels that each averages. */
+function halving({ width, height }: Level<unknown>) {
+    // Odd sides lose their last row or column.
+    const sides = { width: Math.max(1, width >> 1), height: Math.max(1, height >> 1) };
+    const [right, below] = [width > 1 ? 1 : 0, height > 1 ? width : 0];
+    const tap = (texel: number, number: number): number => {
+        const [x, y] = [texel % sides.width, Math.floor(texel / sides.width)];
+        return (2 * x + (number & 1)) * right + (2 * y + (number >> 1)) * below;
+    };
+    return { sides, texels: sides.width * sides.height, tap };
+}
+
+/** The next level of heights: means. */
+function halvedHeights(level: Level<Float32Array>): Level<Float32Array> {
+    const { data } = level;
+    const { sides, texels, tap } = halving(level);
+    const means = new Float32Array(texels);
+    for (let to = 0; to < texels; to++) {
+        let sum = 0;
+        for (let i = 0; i < 4; i++) sum += data[tap(to, i)]!;
+        means[to] = sum / 4;
+    }
+    return { data: means, ...sides };
 }
 
 const word = new Float32Array(1);
@@ -109,43 +118,35 @@ function half(value: number): number {
 const TOP = 65535;
 
 /** A level of a normal map: codes of (n + 1)/2, and of the variance 1 − |mean|² of the vectors it averages. */
-interface Normals {
-    data: Uint16Array;
-    width: number;
-    height: number;
-}
+type Normals = Level<Uint16Array>;
 
 /** The next level, as in the renderer: means of unit vectors. Vectors of the finest level may have any length. */
-function halvedNormals({ data, width, height }: Normals, isFinest: boolean): Normals {
-    const [w, h] = [Math.max(1, width >> 1), Math.max(1, height >> 1)];
-    const [right, below] = [width > 1 ? 4 : 0, height > 1 ? 4 * width : 0];
-    const means = new Uint16Array(4 * w * h);
-    for (let y = 0, to = 0; y < h; y++) {
-        for (let x = 0; x < w; x++, to += 4) {
-            const from = 4 * (2 * y * (height > 1 ? width : 0) + 2 * x * (width > 1 ? 1 : 0));
-            let [sx, sy, sz] = [0, 0, 0];
-            for (let tap = 0; tap < 4; tap++) {
-                const at = from + (tap & 1 ? right : 0) + (tap & 2 ? below : 0);
-                const [nx, ny, nz] = [(2 * data[at]!) / TOP - 1, (2 * data[at + 1]!) / TOP - 1, (2 * data[at + 2]!) / TOP - 1];
-                const length = isFinest ? Math.sqrt(nx * nx + ny * ny + nz * nz) || 1 : 1;
-                sx += nx / length;
-                sy += ny / length;
-                sz += nz / length;
-            }
-            [sx, sy, sz] = [sx / 4, sy / 4, sz / 4];
-            means[to] = ((sx + 1) / 2) * TOP + 0.5;
-            means[to + 1] = ((sy + 1) / 2) * TOP + 0.5;
-            means[to + 2] = ((sz + 1) / 2) * TOP + 0.5;
-            means[to + 3] = Math.max(0, 1 - sx * sx - sy * sy - sz * sz) * TOP + 0.5;
+function halvedNormals(level: Normals, isFinest: boolean): Normals {
+    const { data } = level;
+    const { sides, texels, tap } = halving(level);
+    const means = new Uint16Array(4 * texels);
+    for (let to = 0; to < texels; to++) {
+        let [sx, sy, sz] = [0, 0, 0];
+        for (let i = 0; i < 4; i++) {
+            const at = 4 * tap(to, i);
+            const [nx, ny, nz] = [(2 * data[at]!) / TOP - 1, (2 * data[at + 1]!) / TOP - 1, (2 * data[at + 2]!) / TOP - 1];
+            const length = isFinest ? Math.sqrt(nx * nx + ny * ny + nz * nz) || 1 : 1;
+            sx += nx / length;
+            sy += ny / length;
+            sz += nz / length;
         }
+        [sx, sy, sz] = [sx / 4, sy / 4, sz / 4];
+        means[4 * to] = ((sx + 1) / 2) * TOP + 0.5;
+        means[4 * to + 1] = ((sy + 1) / 2) * TOP + 0.5;
+        means[4 * to + 2] = ((sz + 1) / 2) * TOP + 0.5;
+        means[4 * to + 3] = Math.max(0, 1 - sx * sx - sy * sy - sz * sz) * TOP + 0.5;
     }
-    return { data: means, width: w, height: h };
+    return { data: means, ...sides };
 }
 
 /** A normal map from its finest level; half floats unless the driver can filter 16-bit codes (`isWide`). */
 function normalTexture(finest: Normals, use: TextureUse, isWide: boolean): Texture {
-    const all = [finest];
-    for (let last = finest; last.width > 1 || last.height > 1; all.push(last)) last = halvedNormals(last, last === finest);
+    const all = levels(finest, (level) => halvedNormals(level, level === finest));
     const halves = (level: Normals) => ({ ...level, data: level.data.map((code) => half(code / TOP)) });
     const mipmaps = isWide ? all : all.map(halves);
     const type = isWide ? UnsignedShortType : HalfFloatType;
@@ -155,12 +156,8 @@ function normalTexture(finest: Normals, use: TextureUse, isWide: boolean): Textu
     return sampled(texture, use);
 }
 
-/** A normal map from an image. */
-export function imageNormals(image: ImageBitmap, use: TextureUse, isWide: boolean): Texture {
-    const { width, height } = image;
-    const context = new OffscreenCanvas(width, height).getContext("2d", { willReadFrequently: true })!;
-    context.drawImage(image, 0, 0);
-    const codes = context.getImageData(0, 0, width, height).data;
+/** A normal map from the codes of an image. */
+export function imageNormals({ data: codes, width, height }: Level<Uint8Array>, use: TextureUse, isWide: boolean): Texture {
     const data = new Uint16Array(codes.length);
     for (let i = 0; i < data.length; i += 4) {
         data[i] = 257 * codes[i]!;
@@ -179,22 +176,17 @@ export function codedNormals(all: Uint16Array, { width, height, from }: Codes, u
     return normalTexture({ data, width, height }, use, isWide);
 }
 
-/** The texels of a texture stored as 16-bit numbers. */
-function floats(all: Uint16Array, { width, height, channels, from }: Codes): Level {
-    const codes = all.subarray(from, from + width * height * channels);
-    return { numbers: Float32Array.from(codes, (code) => code / 65535), width, height };
-}
-
 /** A height map from numbers, in the red channel. */
-export function codedHeights(all: Uint16Array, codes: Codes, use: TextureUse, isFine: boolean): Texture {
-    const texel = ({ numbers, width, height }: Level) => {
-        const wide = new Float32Array(4 * numbers.length);
-        numbers.forEach((number, i) => wide.set([number, 0, 0, 1], 4 * i));
+export function codedHeights(all: Uint16Array, { width, height, from }: Codes, use: TextureUse, isFine: boolean): Texture {
+    const texel = ({ data, width, height }: Level<Float32Array>) => {
+        const wide = new Float32Array(4 * data.length);
+        data.forEach((number, i) => wide.set([number, 0, 0, 1], 4 * i));
         return { data: isFine ? wide : Uint16Array.from(wide, half), width, height };
     };
-    const mipmaps = levels(floats(all, codes), 1).map(texel);
+    const heights = Float32Array.from(all.subarray(from, from + width * height), (code) => code / TOP);
+    const mipmaps = levels({ data: heights, width, height }, halvedHeights).map(texel);
     const type = isFine ? FloatType : HalfFloatType;
-    const texture = new DataTexture(mipmaps[0]!.data, codes.width, codes.height, RGBAFormat, type);
+    const texture = new DataTexture(mipmaps[0]!.data, width, height, RGBAFormat, type);
     texture.mipmaps = mipmaps as unknown as typeof texture.mipmaps;
     return sampled(texture, use);
 }

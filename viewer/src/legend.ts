@@ -2,6 +2,7 @@
 
 import { make } from "./dom";
 import { lengthText } from "./lengths";
+import { messageOf } from "./report";
 import { texts } from "./texts";
 import type { Viewer } from "./viewer";
 
@@ -29,7 +30,7 @@ export function legend(viewer: Viewer): HTMLElement | undefined {
         cancelAnimationFrame(asked);
         asked = requestAnimationFrame(() => {
             const found = viewer.errorUnder(event.clientX, event.clientY);
-            void found.then((degrees) => void (here.textContent = texts.errorHere(degrees)));
+            void found.then(texts.errorHere, messageOf).then((text) => void (here.textContent = text));
         });
     });
     return all;

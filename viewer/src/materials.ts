@@ -12,6 +12,7 @@ import {
 } from "three";
 import type { Data, Dress, ModelData, Shader, Surface } from "./data";
 import { inMode } from "./modes";
+import { Once } from "./once";
 import { PLANES, ShadowUniforms, VISIBILITY } from "./shadows";
 import type { Textures } from "./textures";
 
@@ -75,7 +76,7 @@ const unblocked = (text: string): string =>
 
 /** Creates the materials of surfaces, each once. */
 export class Materials {
-    private readonly made = new Map<string, Promise<RawShaderMaterial>>();
+    private readonly made = new Once<string, RawShaderMaterial>();
 
     constructor(
         private readonly data: Data,
@@ -88,9 +89,7 @@ export class Materials {
     /** Returns the material of a surface for the indices of model and method, in a mode. */
     get(number: number, shading: number, method: number, mode: string): Promise<RawShaderMaterial> {
         const key = [number, shading, method, mode].join();
-        const known = this.made.get(key) ?? this.make(number, shading, method, mode);
-        this.made.set(key, known);
-        return known;
+        return this.made.get(key, () => this.make(number, shading, method, mode));
     }
 
     private async make(number: number, shading: number, method: number, mode: string): Promise<RawShaderMaterial> {

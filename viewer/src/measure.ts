@@ -71,6 +71,10 @@ export class Measure {
     private add(point: Pick | undefined): void {
         if (!point || !this.kind) return;
         if (this.points.length === POINTS[this.kind]) this.points = [];
+        if (this.points.at(-1)?.point.equals(point.point)) {
+            this.result.textContent = texts.samePoint;
+            return;
+        }
         this.points.push(point);
         this.report();
     }
@@ -84,7 +88,7 @@ export class Measure {
         else if (!a || !b || (kind === "angle" && !c)) this.result.textContent = texts.measureMore(POINTS[kind] - this.points.length);
         else if (kind === "angle") this.result.textContent = this.angle(a, b, c!);
         else this.result.textContent = this.distance(a, b);
-        if (kind === "section" && a && b) this.offer(a.point, b.point);
+        if (kind === "section" && a && b) this.offer(a, b);
     }
 
     private distance(a: Pick, b: Pick): string {
@@ -99,14 +103,16 @@ export class Measure {
         return texts.angle(uncertain(angle(a.point, b.point, c.point), degrees(Math.hypot(...turns))));
     }
 
-    /** The uncertainty of a point: that of picking it, and the distance between shape and scan if that is known. */
-    private doubt({ precision }: Pick): number {
-        return Math.hypot(precision, this.viewer.data.errors?.distance?.rms ?? 0);
+    /** The uncertainty of a point: that of picking it, and the distance between asset and scan if that is known. */
+    private doubt({ precision, exhibit }: Pick): number {
+        const distance = exhibit.isAsset ? this.viewer.data.errors?.distance : undefined;
+        return Math.hypot(precision, distance?.rms ?? 0);
     }
 
-    private offer(a: Vector3, b: Vector3): void {
+    /** Offers the profile of the model of the first point. */
+    private offer({ point: a, exhibit }: Pick, { point: b }: Pick): void {
         const [, , back] = axes(this.viewer.state);
-        const pieces: Piece[] = profile(this.viewer.geometries, [a, b], back);
+        const pieces: Piece[] = profile(exhibit.model.geometries, [a, b], back);
         const file = (name: string, type: string, text: string) => () => save(name, new Blob([text], { type }));
         const { title, in_metres } = this.viewer.data;
         const unit = in_metres ? "m" : "model units";

@@ -20,7 +20,7 @@ export interface Model {
     /** The same geometries with object-space normals. */
     printed: BufferGeometry[];
     /** Returns the bytes and the type of the image in a slot of a material. */
-    image(material: number, slot: string): Promise<{ key: string; bytes: ArrayBuffer; type: string }>;
+    image(material: number, slot: string): Promise<{ bytes: ArrayBuffer; type: string }>;
 }
 
 /** The path in glTF to the texture of each slot. */
@@ -148,7 +148,7 @@ export async function readModel(glb: ArrayBuffer, surfaces: Surface[]): Promise<
             const number = imageOf(json, material, slot);
             const { bufferView, mimeType } = json.images![number]!;
             const bytes = (await gltf.parser.getDependency("bufferView", bufferView)) as ArrayBuffer;
-            return { key: String(number), bytes, type: mimeType };
+            return { bytes, type: mimeType };
         },
     };
 }

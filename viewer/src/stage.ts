@@ -3,6 +3,7 @@
 import {
     type Intersection,
     Matrix4,
+    type Mesh,
     PerspectiveCamera,
     Raycaster,
     type Vector2,
@@ -18,6 +19,7 @@ import type { Blobs } from "./host";
 import { ambient, environment, lights, toLight } from "./light";
 import { Frame } from "./materials";
 import { isNumbers, isShaded } from "./modes";
+import { Once } from "./once";
 import { place } from "./orbit";
 import type { ShadowMap } from "./shadows";
 import type { State } from "./state";
@@ -32,29 +34,40 @@ const STEEPEST = 0.1;
 /** The extensions for filtering 32-bit floats and 16-bit codes. */
 const [FINE, WIDE] = ["OES_texture_float_linear", "EXT_texture_norm16"];
 
+/** A point of a model that is visible in the picture, and the meshes that show it. */
+export interface Hit extends Intersection {
+    showing: Showing;
+}
+
 export class Stage {
     private readonly camera = new PerspectiveCamera();
     private film: Film;
     private readonly main: Showing;
     /** The models shown right of the wipe handle, by name. */
-    private readonly companions = new Map<string, Promise<Showing>>();
+    private readonly companions = new Once<string, Showing>();
     private companion: Showing | undefined;
+    /** All models shown so far. */
+    private readonly showings: Showing[];
     private readonly shadows = new Map<Showing, ShadowMap>();
 
     private constructor(
         readonly renderer: WebGLRenderer,
         private readonly shared: Shared,
-        readonly asset: Exhibit,
+        asset: Exhibit,
     ) {
         this.film = new Film(renderer);
         this.main = new Showing(asset);
+        this.showings = [this.main];
     }
 
     /** Loads the model and creates the stage that draws it. */
     static async load(canvas: HTMLCanvasElement, data: Data, blobs: Blobs): Promise<Stage> {
         const renderer = opened(canvas);
         const [isFine, isWide] = [FINE, WIDE].map((name) => renderer.extensions.has(name)) as [boolean, boolean];
-        const shared = { data, blobs, frame: new Frame(data), textures: await frameTextures(data, blobs), isFine, isWide };
+        const read = new Once<string, ArrayBuffer>();
+        const kept: Blobs = (name) => read.get(name, () => blobs(name));
+        const source = { blobs, kept, renderer, isFine, isWide };
+        const shared = { ...source, data, frame: new Frame(data), textures: await frameTextures(data, blobs) };
         return new Stage(renderer, shared, await Exhibit.load(0, shared));
     }
 
@@ -94,8 +107,7 @@ export class Stage {
         prepareRenderer(this.renderer);
         this.film = new Film(this.renderer);
         this.shadows.clear();
-        this.main.forgetShadow();
-        for (const each of this.companions.values()) void each.then((showing) => showing.forgetShadow());
+        for (const showing of this.showings) showing.forgetShadow();
     }
 
     /** False if the graphics driver has run out of memory, or has been reset. */
@@ -137,12 +149,15 @@ export class Stage {
         return performance.now() - start;
     }
 
-    /** The intersection with the model under a point of the picture, [−1, 1]². */
-    hit(state: State, point: Vector2, size: [number, number]): Intersection | undefined {
+    /** The intersection with the model shown at a point of the picture, [−1, 1]². */
+    hit(state: State, point: Vector2, size: [number, number]): Hit | undefined {
         this.place(state, size, -1);
         const ray = new Raycaster();
         ray.setFromCamera(point, this.camera);
-        return ray.intersectObjects(this.main.meshes, false)[0];
+        const isRight = ((point.x + 1) / 2) * size[0] >= this.handle(state, size[0]);
+        const showing = (isRight && this.companion) || this.main;
+        const [found] = ray.intersectObjects(showing.meshes, false);
+        return found && { ...found, showing };
     }
 
     /** The length on the surface that a pixel covers at a hit, in a picture with `rows` rows. */
@@ -160,16 +175,17 @@ export class Stage {
         return point.clone().project(this.camera);
     }
 
-    /** The value of the error map at a point of the picture, [−1, 1]², degrees. */
+    /** The value of the error map at a point of the picture, [−1, 1]², degrees; undefined right of the wipe handle. */
     async errorAt(state: State, point: Vector2, size: [number, number]): Promise<number | undefined> {
         const hit = this.hit(state, point, size);
         const { face, barycoord } = hit ?? {};
-        if (!hit || !face || !barycoord) return undefined;
-        const number = this.main.meshes.indexOf(hit.object as (typeof this.main.meshes)[number]);
-        const { attributes } = this.main.meshes[number]!.geometry;
+        if (hit?.showing !== this.main || !face || !barycoord) return undefined;
+        const { meshes } = hit.showing;
+        const number = meshes.indexOf(hit.object as Mesh);
+        const { attributes } = meshes[number]!.geometry;
         const weights = new Vector3(barycoord.x, barycoord.y, barycoord.z);
         const along = (of: (i: number) => number) => weights.dot(new Vector3(of(face.a), of(face.b), of(face.c)));
-        const maps = await this.asset.errorMaps();
+        const maps = await hit.showing.exhibit.errorMaps();
         return maps.at(number, (set) => {
             const uvs = attributes[`uv${set}`];
             return uvs && [along((i) => uvs.getX(i)), along((i) => uvs.getY(i))];
@@ -185,9 +201,14 @@ export class Stage {
         frame.set("eye", ...this.camera.matrixWorld.elements.slice(12, 15), 1);
     }
 
-    private sample({ split }: State, [width, height]: [number, number], target: WebGLRenderTarget): void {
+    /** The column of the wipe handle in a picture of this width: the companion is drawn from there on. */
+    private handle({ split }: State, width: number): number {
+        return this.companion ? Math.round(split * width) : width;
+    }
+
+    private sample(state: State, [width, height]: [number, number], target: WebGLRenderTarget): void {
         const { renderer, camera, main, companion } = this;
-        const handle = companion ? Math.round(split * width) : width;
+        const handle = this.handle(state, width);
         const part = (from: number, to: number, showing: Showing): void => {
             target.scissorTest = companion !== undefined;
             target.scissor.set(from, 0, to - from, height);
@@ -202,13 +223,11 @@ export class Stage {
 
     private companionOf({ beside: shown }: State): Promise<Showing> | undefined {
         if (shown === "none") return undefined;
-        const made = async (): Promise<Showing> =>
-            new Showing(shown === "scan" ? await Exhibit.load(1, this.shared) : this.asset);
-        const known = this.companions.get(shown) ?? made();
-        this.companions.set(shown, known);
-        // The next attempt fetches it again.
-        known.catch(() => this.companions.delete(shown));
-        return known;
+        return this.companions.get(shown, async () => {
+            const showing = new Showing(shown === "scan" ? await Exhibit.load(1, this.shared) : this.main.exhibit);
+            this.showings.push(showing);
+            return showing;
+        });
     }
 }
 

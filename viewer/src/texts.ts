@@ -89,6 +89,7 @@ export const texts = {
     pointInTheMiddle: "Point at the centre",
     measureNothing: "Choose what to measure, then click the model.",
     measureMore: (points: number) => `Pick ${points} more ${points === 1 ? "point" : "points"} on the model.`,
+    samePoint: "This is the same point as the previous one. Pick a different point.",
     angle: (degrees: string) => `${degrees}°`,
     profile: (format: string) => `Profile as ${format}`,
     bookmarks: "Bookmarks",

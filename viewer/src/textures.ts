@@ -1,11 +1,13 @@
 // The textures that shaders read: those of the model, the albedo tables, and the environment maps.
 
-import { DataTexture, FloatType, HalfFloatType, NearestFilter, RGBAFormat, type Texture } from "three";
+import { DataTexture, FloatType, HalfFloatType, NearestFilter, RGBAFormat, type Texture, type WebGLRenderer } from "three";
 import type { Data, ModelData, Surface, TextureUse } from "./data";
 import { halves } from "./halves";
 import type { Blobs } from "./host";
 import { codedHeights, codedNormals, decoded, imageNormals, imageTexture } from "./images";
 import type { Model } from "./model";
+import { Once } from "./once";
+import { pixels } from "./pixels";
 
 /** A texture that is read without filtering. */
 function numbers(data: Float32Array | Uint16Array, [width, height]: [number, number]): Texture {
@@ -33,6 +35,9 @@ export async function frameTextures({ tables, light }: Data, blob: Blobs): Promi
 /** The page data and driver features that textures depend on. */
 export interface Source {
     blobs: Blobs;
+    /** The same bytes, kept after they are first read. */
+    kept: Blobs;
+    renderer: WebGLRenderer;
     /** True if 32-bit floats can be filtered. */
     isFine: boolean;
     /** True if 16-bit codes can be filtered. */
@@ -41,8 +46,7 @@ export interface Source {
 
 /** The textures of surfaces, each created once. */
 export class Textures {
-    private readonly made = new Map<string, Promise<Texture>>();
-    private codes: Promise<Uint16Array> | undefined;
+    private readonly made = new Once<string, Texture>();
 
     constructor(
         private readonly data: ModelData,
@@ -54,22 +58,21 @@ export class Textures {
     get(surface: Surface, slot: string, use: TextureUse): Promise<Texture> {
         const kind = slot === "height_texture" ? "height" : this.data.textures[use.texture]!.encoding;
         const key = [use.texture, kind, slot.endsWith("normal_texture"), ...use.sampler].join();
-        const known = this.made.get(key) ?? this.make(surface, slot, use);
-        this.made.set(key, known);
-        return known;
+        return this.made.get(key, () => this.make(surface, slot, use));
     }
 
     private async make({ material }: Surface, slot: string, use: TextureUse): Promise<Texture> {
         const { codes, encoding } = this.data.textures[use.texture]!;
-        const { isFine, isWide } = this.source;
+        const { kept, renderer, isFine, isWide } = this.source;
         const isNormal = slot.endsWith("normal_texture");
         if (codes && (slot === "height_texture" || encoding === "normal")) {
-            this.codes ??= this.source.blobs(this.data.codes).then((bytes) => new Uint16Array(bytes));
-            const all = await this.codes;
+            const all = new Uint16Array(await kept(this.data.codes));
             return isNormal ? codedNormals(all, codes, use, isWide) : codedHeights(all, codes, use, isFine);
         }
         const { bytes, type } = await this.model.image(material, slot);
         const image = await decoded(bytes, type);
-        return isNormal ? imageNormals(image, use, isWide) : imageTexture(image, use, encoding === "srgb");
+        if (!isNormal) return imageTexture(image, use, encoding === "srgb");
+        const { width, height } = image;
+        return imageNormals({ data: await pixels(renderer, image), width, height }, use, isWide);
     }
 }

@@ -1,7 +1,8 @@
 // The viewer: one state, and its picture.
 
-import { type BufferGeometry, Vector2, type Vector3 } from "three";
+import { Vector2, type Vector3 } from "three";
 import type { Data } from "./data";
+import type { Exhibit } from "./exhibit";
 import { fault, shownValue } from "./fields";
 import type { Address } from "./host";
 import { withText } from "./png";
@@ -23,10 +24,11 @@ const MOST_PIXELS = 2 ** 26;
 /** The keyword of the text chunk in a saved picture that contains its link. */
 const LINK = "taotie:view";
 
-/** A picked point of the model in world space, and its uncertainty. */
+/** A picked point of a model in world space, and the uncertainty of picking it. */
 export interface Pick {
     point: Vector3;
     precision: number;
+    exhibit: Exhibit;
 }
 
 export class Viewer {
@@ -135,10 +137,12 @@ export class Viewer {
         return this.stage.errorAt(this.current, this.pointOf(x, y), this.size());
     }
 
-    /** The point of the model under a point of the window, accurate to half a pixel of the page. */
+    /** The point of a model under a point of the window, accurate to half a pixel of the page. */
     pick(x: number, y: number): Pick | undefined {
         const hit = this.stage.hit(this.current, this.pointOf(x, y), this.size());
-        return hit && { point: hit.point, precision: this.stage.pixelAt(hit, this.canvas.clientHeight) / 2 };
+        if (!hit) return undefined;
+        const precision = this.stage.pixelAt(hit, this.canvas.clientHeight) / 2;
+        return { point: hit.point, precision, exhibit: hit.showing.exhibit };
     }
 
     /** The position of a world-space point in the picture, page pixels from its upper left corner. */
@@ -146,11 +150,6 @@ export class Viewer {
         const { x, y } = this.stage.seen(this.current, point, this.size());
         const { clientWidth, clientHeight } = this.canvas;
         return [((x + 1) / 2) * clientWidth, ((1 - y) / 2) * clientHeight];
-    }
-
-    /** The surfaces of the model in world space. */
-    get geometries(): BufferGeometry[] {
-        return this.stage.asset.model.geometries;
     }
 
     /** Converts a point of the window to picture coordinates, [−1, 1]². */
@@ -212,6 +211,8 @@ export class Viewer {
         try {
             return await this.draw(samples, halvings);
         } catch (error) {
+            // Nothing can be prepared without graphics resources; the picture is drawn again when they are back.
+            if (this.isLost || this.isClosed) return false;
             if (report(this.host.element, messageOf(error), error)) console.error(error);
             return true;
         }

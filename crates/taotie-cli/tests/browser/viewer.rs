@@ -222,11 +222,11 @@ fn write_module(folder: &Path) {
     assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
 }
 
-/// The script in the pages is built from the sources in `viewer`.
+/// The script in the pages is built from the sources in `viewer`, which pass their tests.
 #[test]
 fn the_script_is_built_from_its_source() {
     let Some(viewer) = source() else { return };
-    for script in ["check", "compare"] {
+    for script in ["check", "compare", "test"] {
         let run =
             Command::new("npm").args(["run", "--silent", script]).current_dir(&viewer).output().unwrap();
         let [printed, wrong] = [&run.stdout, &run.stderr].map(|text| String::from_utf8_lossy(text));
