@@ -83,7 +83,8 @@ impl<'a> Viewer<'a> {
         Self { own: pair.asset, other: pair.scan, is_of_scan: false, ..Self::of_scan(pair) }
     }
 
-    /// Returns the sample at a point of the sampled surface; `None` if it is hidden or transparent.
+    /// Returns the sample at a point of the sampled surface; `None` if it is hidden, transparent, or a back that only the asset
+    /// shows.
     pub fn sample(&self, point: Point) -> Option<SurfaceSample> {
         let (own, other) = (self.own.surface, self.other.surface);
         if self.is_transparent(point) {
@@ -94,6 +95,11 @@ impl<'a> Viewer<'a> {
         let ray = view_ray(position, line.toward, line.distance);
         let first = other.first_seen(&ray, line.distance + reach);
         let hit = first.filter(|hit| hit.distance > line.distance - reach);
+        // An asset may show backs that its scan does not, unless they hide something.
+        let is_extra = !self.is_of_scan && hit.is_none() && !own.mesh().faces(point.triangle, line.toward);
+        if is_extra && other.first_seen(&ray, f32::INFINITY).is_none() {
+            return None;
+        }
         let on_scan = if self.is_of_scan { Some(point) } else { hit.map(|hit| hit.point()) };
         let on_asset = if self.is_of_scan { hit.map(|hit| hit.point()) } else { Some(point) };
         let width = on_scan.map_or(self.footprint.least, |at| self.footprint.at(self.pair.scan.surface, at));

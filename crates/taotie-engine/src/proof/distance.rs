@@ -1,6 +1,6 @@
 //! How far the shapes of two surfaces are apart: the largest distance with proven bounds, and the root mean square.
 
-use super::close_up::CloseUp;
+use super::close_up::{CloseUp, SurfaceSample};
 use super::{Pair, Side};
 use crate::bake::Scan;
 use crate::math::Vec3;
@@ -52,32 +52,23 @@ pub fn hausdorff(pair: &Pair<'_>, close_ups: [&CloseUp; 2], points: usize) -> Di
     })
 }
 
-/// Returns the largest distance of a visible point from the other surface, of up to 20,000 points of each, in model
-/// units; `None` if all are within `limit`. Much faster than [`hausdorff`], which also knows the points between.
+/// Returns the largest distance between the visible parts of two surfaces if it may exceed `limit`, in model units; `None`
+/// if it does not. Much faster than [`hausdorff`], since only pieces beyond the limit are followed.
 pub fn stray(pair: &Pair<'_>, limit: f32) -> Option<f32> {
-    let sides = [(pair.scan, pair.asset.surface), (pair.asset, pair.scan.surface)];
-    sides.into_iter().filter_map(|(side, to)| stray_from(side.surface, to, limit)).reduce(f32::max)
-}
-
-fn stray_from(from: &Scan, to: &Scan, limit: f32) -> Option<f32> {
-    let mesh = from.mesh();
-    let step = mesh.triangles().len().div_ceil(POINTS as usize).max(1);
-    let distance = |i: usize| {
-        let at = Point { triangle: (i * step) as u32, weights: [1.0 / 3.0; 3] };
-        let place = blend(mesh.corners(i * step), at.weights);
-        let is_far =
-            to.bvh().closest(place, limit).is_none() && from.is_seen(at) && from.surface().is_opaque_at(at);
-        let closest = is_far.then(|| to.bvh().closest(place, f32::INFINITY));
-        closest.flatten().map_or(0.0, |closest| closest.distance)
+    let width = pair.diagonal * WIDTH[0];
+    let beyond = |(side, to): (&Side<'_>, &Side<'_>)| {
+        let source = Source { side, is_partly_hidden: true, known: limit };
+        distance_bounds(source, to.surface, width).lower as f32
     };
-    let distances = parallel::collect(mesh.triangles().len().div_ceil(step), distance);
-    distances.into_iter().filter(|distance| *distance > limit).reduce(f32::max)
+    let farthest = [(pair.scan, pair.asset), (pair.asset, pair.scan)].map(beyond);
+    farthest.into_iter().filter(|distance| *distance > limit).reduce(f32::max)
 }
 
 /// Returns the root mean square distance over the points of both surfaces, in model units.
 pub fn root_mean_square(close_ups: [&CloseUp; 2]) -> f64 {
     let samples = || close_ups.into_iter().flat_map(|close_up| &close_up.samples);
-    let sum: f64 = samples().map(|sample| f64::from(sample.distance) * f64::from(sample.distance)).sum();
+    let squared = |sample: &SurfaceSample| f64::from(sample.distance) * f64::from(sample.distance);
+    let sum = samples().map(squared).fold(0.0, |sum, one| sum + one);
     (sum / samples().count().max(1) as f64).sqrt()
 }
 
@@ -87,7 +78,8 @@ pub fn root_mean_square(close_ups: [&CloseUp; 2]) -> f64 {
 pub struct DistanceBounds {
     /// The distance of a point that was found, in model units.
     pub lower: f64,
-    /// The distance that no point exceeds, in model units.
+    /// The distance that no point exceeds, in model units. If parts of the surface are hidden, pieces of up to 1 % of its
+    /// diagonal count as a whole: as hidden if their middle is.
     pub upper: f64,
     /// The point at the lower bound, in model units; `None` if unknown.
     #[serde(skip)]

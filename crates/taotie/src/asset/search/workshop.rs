@@ -426,7 +426,7 @@ impl<'a> Workshop<'a> {
 
     /// Returns the ratio of the largest distance between visible points of the surfaces to its limit; 0 if it is within.
     fn distance_ratio(&self, pair: &proof::Pair<'_>) -> f64 {
-        /// The part of the limit that distances of points may reach; those between are farther.
+        /// The part of the limit that distances may reach: bounds are that wide.
         const PART: f64 = 0.95;
         let most = self.farthest * self.goal.shape * PART;
         proof::stray(pair, most as f32).map_or(0.0, |distance| f64::from(distance) / most)
