@@ -42,6 +42,30 @@ impl<'a> Simplified<'a> {
     }
 }
 
+/// Gives copies of a vertex whose positions differ only by rounding the same position, so that simplification moves them
+/// together and rounding never separates them: otherwise a seam opens.
+pub(super) fn join_copies(vertices: &mut StoredVertices, extent: f64) {
+    /// A few roundings of 32-bit numbers, relative to the longest side.
+    const SAME: f64 = 1e-6;
+    let near = extent * SAME;
+    if near <= 0.0 || !vertices.attributes[0].is_float() {
+        return;
+    }
+    let mut known: HashMap<[i64; 3], [f32; 3]> = HashMap::new();
+    let joined = |place: &[f32; 3]| {
+        let cell = |shift: [f64; 3]| -> [i64; 3] {
+            std::array::from_fn(|k| (f64::from(place[k]) / (2.0 * near) + shift[k]).floor() as i64)
+        };
+        let is_copy = |own: &&[f32; 3]| (0..3).all(|k| f64::from((own[k] - place[k]).abs()) <= near);
+        // A copy is in one of the eight cells that the surroundings touch.
+        let around = (0..8).map(|i| cell([0, 1, 2].map(|k| if i >> k & 1 == 1 { 0.5 } else { -0.5 })));
+        let copy = around.filter_map(|cell| known.get(&cell)).find(is_copy).copied();
+        copy.unwrap_or_else(|| *known.entry(cell([0.0; 3])).or_insert(*place))
+    };
+    let places: Vec<[f32; 3]> = floats(&vertices.attributes[0]).as_chunks().0.iter().map(joined).collect();
+    vertices.attributes[0].replace(places.iter().map(|place| place.as_slice()));
+}
+
 /// Returns the locks of vertices that other primitives may touch: those at open edges of a primitive, and those
 /// shared by several primitives. They keep all their attributes.
 pub(super) fn locks(vertices: &StoredVertices) -> Vec<SimplifyVertex> {

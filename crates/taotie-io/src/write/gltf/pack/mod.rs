@@ -88,10 +88,11 @@ impl GltfPacker {
     pub fn open(source: GltfSource<'_>, limits: &Limits) -> Result<Self> {
         let mut raw = RawGltf::read(source, limits)?;
         drop_unread_tangents(&mut raw.json);
-        let Content { vertices, images } = Content::read(source, &raw)?;
+        let Content { mut vertices, images } = Content::read(source, &raw)?;
         let longest_side = longest_side(&raw.json, &images);
         let images = taken_images(&mut raw, images)?;
         let extents = geometry::extents(&vertices);
+        vertices.iter_mut().zip(&extents).for_each(|(own, extent)| geometry::join_copies(own, *extent));
         let is_alone = is_alone(&raw.json);
         let locks = |vertices| if is_alone { Vec::new() } else { geometry::locks(vertices) };
         let locks = vertices.iter().map(locks).collect();
