@@ -272,7 +272,12 @@ fn shape(figures: &Figures, level: &LevelFigures, table: &mut Table) {
         ]);
     }
     if let Some(resolution) = &level.resolution {
-        let text = format!("{} wide (median)", texel_text(resolution.texel, figures.unit));
+        let mut text = format!("{} wide (median)", texel_text(resolution.texel, figures.unit));
+        if resolution.share > 0.0 {
+            let (times, share) = (resolution.coarser, percent(resolution.share));
+            let _ =
+                write!(text, ", up to {times:.1} × coarser than the scan's detail on {share} of the surface");
+        }
         table.row(["texel".into(), text]);
     }
 }

@@ -80,6 +80,21 @@ impl Requirement {
         }
     }
 
+    /// Checks that an asset with this number of levels of detail has those of all requirements.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a requirement of a level that does not exist.
+    pub(in crate::asset) fn check_levels(requirements: &[Self], levels: usize) -> Result<()> {
+        let number = |required: &Self| required.level.filter(|level| *level >= levels);
+        match requirements.iter().find_map(|required| Some((required.name(), number(required)?))) {
+            None => Ok(()),
+            Some((name, level)) => Err(Error::invalid(
+                format!("the requirement {name}@{level}"),
+                format!("the coarsest level of detail of the asset is @{}", levels.saturating_sub(1)),
+            )),
+        }
+    }
+
     /// Returns the display unit of its limit.
     fn unit(&self) -> FigureUnit {
         shown_unit(self.figure, self.most, self.is_length)

@@ -39,7 +39,11 @@ impl BakePlan {
     /// free if all of them leave it at its default.
     pub fn of(asked: &BakeOptions, scan: &Carried, low: &[LowLook<'_>]) -> Self {
         let options = BakeOptions { maps: maps(asked, scan, low), ..asked.clone() };
-        let notes = lacking(asked, scan);
+        let mut notes = lacking(asked, scan);
+        if scan.has_mixed_sides && low.is_empty() {
+            let what = "some of the scan's materials are double-sided and others are not: the asset is double-sided everywhere";
+            notes.note(what, 1);
+        }
         let mut plan = Self { options, carried: vec![], left: vec![], factors: vec![], notes };
         for found in &scan.found {
             let pair = Pair { scan, low };
@@ -255,7 +259,7 @@ mod tests {
         let uniform = uniform.map(|property| Found { property, is_uniform: true, part: 1.0 });
         let varying = varying.iter().map(|p| Found { property: *p, is_uniform: false, part: 0.25 });
         let found = uniform.chain(varying).collect();
-        Carried { material, found }
+        Carried { material, found, ..Carried::default() }
     }
 
     fn plan(options: &BakeOptions, scan: &Carried) -> BakePlan {

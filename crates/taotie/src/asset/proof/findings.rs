@@ -14,7 +14,7 @@ use taotie_engine::length::{Unit, place_text, texel_text};
 use taotie_engine::math::Vec3;
 use taotie_engine::names::Named;
 use taotie_engine::proof::Mismatch;
-use taotie_engine::scene::{LAYERS, Scene, Specular};
+use taotie_engine::scene::{LAYERS, Material, Scene, Specular};
 
 /// Shares of the area below this are noise: folds, thin cracks.
 const WORTH_A_WORD: f64 = 0.01;
@@ -194,7 +194,8 @@ struct Place<'a> {
 }
 
 /// Notes where each level of detail differs most from its scan, once per place, with all requirements that fail
-/// because of it. Faults of the finest level are noted even if all requirements are met.
+/// because of it, and then those that have no place, such as bytes. Faults of the finest level are noted even if all
+/// requirements are met.
 fn note_worst_places(all: &Figures, requirements: &[Requirement], warnings: &mut Warnings) {
     let unmet: Vec<RequirementOutcome> =
         all.evaluate(requirements).into_iter().filter(|met| !met.met).collect();
@@ -206,6 +207,9 @@ fn note_worst_places(all: &Figures, requirements: &[Requirement], warnings: &mut
             warnings.note(lists.collect::<Vec<_>>().join("; "), 1);
         }
     }
+    let elsewhere: Vec<&RequirementOutcome> =
+        unmet.iter().filter(|met| Fault::behind(met.figure).is_none()).collect();
+    lists(&elsewhere, "").into_iter().for_each(|list| warnings.note(list, 1));
 }
 
 /// Returns the places where a level is worst.
@@ -253,13 +257,13 @@ impl Fault {
     fn behind(figure: Figure) -> Option<Self> {
         match figure {
             Figure::Missed => Some(Self::Missing),
-            Figure::Completeness | Figure::Hausdorff | Figure::WithinDistance | Figure::Silhouette => {
-                Some(Self::Apart)
-            }
+            Figure::Completeness | Figure::Hausdorff | Figure::WithinDistance => Some(Self::Apart),
             Figure::MeanColor | Figure::P95Color | Figure::PatchColor | Figure::WithinColor => {
                 Some(Self::Colors)
             }
-            Figure::Texel | Figure::Triangles | Figure::GpuMemory | Figure::Bytes => None,
+            Figure::Silhouette | Figure::Texel | Figure::Triangles | Figure::GpuMemory | Figure::Bytes => {
+                None
+            }
             _ => Some(Self::Normals),
         }
     }
@@ -335,21 +339,51 @@ pub(super) const OCCLUSION: &str = "ambient occlusion, whose map only its bake m
 /// Returns the contents of an asset's files, or of its scan, that no figure and no image compares; `poses` if one of
 /// them moves.
 pub(super) fn unseen([scan, asset]: [&Scene; 2], poses: bool) -> Vec<String> {
-    let materials = || used_materials(scan).chain(used_materials(asset));
     let plain = is_plain(scan).then_some("colour and material, which the scan does not specify");
     let poses = poses.then_some("poses and variants: only the default ones are compared");
     let has_occlusion = used_materials(asset).any(|material| material.occlusion_texture.is_some());
     let occlusion = has_occlusion.then_some(OCCLUSION);
+    let all = plain.into_iter().chain(poses).chain(occlusion).map(str::to_owned);
+    all.chain(
+        layers([scan, asset])
+            .into_iter()
+            .map(|(name, of)| of.map_or(name.into(), |of| format!("{name}, {of}"))),
+    )
+    .collect()
+}
+
+/// Returns the layers of materials that no figure compares, each with the words for it if only one of the two has it.
+fn layers([scan, asset]: [&Scene; 2]) -> Vec<(&'static str, Option<&'static str>)> {
     let layer = |property: Property| match property {
-        Property::Layer(layer) => LAYERS.get(layer),
+        Property::Layer(layer) => LAYERS.get(layer).filter(|layer| layer.is_optional()),
         _ => None,
     };
-    let layers = Property::all().into_iter().filter_map(layer);
-    let layers = layers.filter(|layer| layer.is_optional() && materials().any(|m| layer.is_present(m)));
-    let reflects = materials().any(|m| m.specular != Specular::default() || m.ior != 1.5);
-    let reflection = reflects.then_some("specular strength and index of refraction");
-    let all = plain.into_iter().chain(poses).chain(occlusion).chain(layers.map(|layer| layer.name));
-    all.chain(reflection).map(str::to_owned).collect()
+    let reflects = |material: &Material| material.specular != Specular::default() || material.ior != 1.5;
+    let found = Property::all().into_iter().filter_map(layer).map(|layer| {
+        (
+            layer.name,
+            [scan, asset].map(|scene| used_materials(scene).any(|material| layer.is_present(material))),
+        )
+    });
+    let reflection = [scan, asset].map(|scene| used_materials(scene).any(reflects));
+    let all = found.chain([("specular strength and index of refraction", reflection)]);
+    all.filter(|(_, has)| has.contains(&true))
+        .map(|(name, has)| match has {
+            [true, true] => (name, None),
+            [true, false] => (name, Some("which only the scan has")),
+            _ => (name, Some("which only the asset has")),
+        })
+        .collect()
+}
+
+/// Notes layers of materials that only one of the two has: it may look different, although no figure shows it.
+pub(super) fn note_layers(scenes: [&Scene; 2], warnings: &mut Warnings) {
+    for (name, of) in layers(scenes) {
+        if let Some(of) = of {
+            warnings
+                .note(format!("not compared: {name}, {of}; the asset may look different from the scan"), 1);
+        }
+    }
 }
 
 /// Returns the maps of an asset that are not compared with anything.
@@ -372,7 +406,7 @@ mod tests {
     use super::*;
     use taotie_engine::mesh::Mesh;
     use taotie_engine::proof::Patch;
-    use taotie_engine::scene::{Clearcoat, Material};
+    use taotie_engine::scene::Clearcoat;
 
     fn level() -> LevelFigures {
         let mut level = LevelFigures::default();

@@ -111,6 +111,7 @@ pub fn verify(
         Requirement::check_unit(&options.requirements, unit)?;
         progress.begin("read back")?;
         let mut levels = taotie_io::load_levels_within(&path, &scan.limits)?;
+        Requirement::check_levels(&options.requirements, levels.len())?;
         if let Some((finest, stated)) =
             levels.first().and_then(|finest| Some((finest, stated_unit(finest.format)?)))
         {
@@ -214,6 +215,7 @@ fn prove(shown: Shown, scan: Scan, options: &VerifyOptions, progress: Progress<'
     let scan = scan.into_scene()?;
     figures.unseen = unseen([&scan, &scenes[0]], poses);
     figures.unseen.extend(unlit);
+    findings::note_layers([&scan, &scenes[0]], &mut warnings);
     let mut looks = pictures::take(scan, scenes, Wanted { side: options.view, close_ups }, views)?;
     if !has_material {
         looks.full.clear();

@@ -427,7 +427,8 @@ mod tests {
     fn seen() -> PixelDifferences {
         let angle = |i: u32| if i < 99 { (i + 1) as f32 * 0.01 } else { 20.0 };
         let angles: Vec<f32> = (0..1_000_000).map(|i| angle(i / 10_000)).collect();
-        PixelDifferences { colors: angles.iter().map(|v| v * 2.0).collect(), angles, missing: 0.0 }
+        let colors = angles.iter().map(|v| v * 2.0).collect();
+        PixelDifferences { colors, angles, ..PixelDifferences::default() }
     }
 
     #[test]

@@ -105,8 +105,12 @@ pub(in crate::asset) fn smallest(
     } else if !trial.is_near && workshop.has_goal() {
         warnings.note(none_near_enough(&required, &trial), 1);
     }
-    if let Some(most) = most.filter(|most| trial.bytes > *most) {
-        warnings.note(format!("no candidate has at most {most} bytes; the smallest has {}", trial.bytes), 1);
+    if let Some(most) = most.filter(|most| trial.bytes as f64 > room(scan, *most)) {
+        let what = format!(
+            "no candidate has at most {most} bytes with its metadata; the smallest has {} without",
+            trial.bytes
+        );
+        warnings.note(what, 1);
     }
     let Workshop { mut trials, refused, not_packed, .. } = workshop;
     trials.iter_mut().filter(|own| **own == trial).take(1).for_each(|own| own.is_chosen = true);
@@ -269,6 +273,12 @@ const RANGE: [f64; 2] = [0.05, 100.0];
 /// The bytes of metadata in every asset.
 const METADATA: f64 = 1_500.0;
 
+/// Returns the bytes of a budget that remain for an asset without its metadata.
+fn room(scan: &Scan, most: u64) -> f64 {
+    let xmp = scan.about.xmp.as_ref().map_or(0, |xmp| xmp.to_string().len());
+    (most as f64 - METADATA - xmp as f64).max(0.0)
+}
+
 /// Returns the candidate closest to the scan among those with at most `most` bytes. If a goal is requested, a smaller
 /// one that meets it is sufficient. If all are larger, returns the smallest found.
 fn within_budget(
@@ -277,9 +287,7 @@ fn within_budget(
     most: u64,
     progress: Progress<'_>,
 ) -> Result<Best> {
-    let scan = workshop.scan();
-    let xmp = scan.about.xmp.as_ref().map_or(0, |xmp| xmp.to_string().len());
-    let most = (most as f64 - METADATA - xmp as f64).max(0.0);
+    let most = room(workshop.scan(), most);
     let aim = 0.5 * (1.0 + ENOUGH) * most.max(1.0);
     let is_goal_enough = workshop.has_goal();
     let (mut found, mut factor): (Option<Best>, f64) = (None, 1.0);

@@ -11,6 +11,8 @@ pub(in crate::asset) struct Carried {
     pub material: Material,
     /// The properties in which the scan differs from a default material.
     pub found: Vec<Found>,
+    /// `true` if some of its materials are double-sided and others are not.
+    pub has_mixed_sides: bool,
 }
 
 /// A property of a scan.
@@ -42,7 +44,9 @@ impl Carried {
             part: share(&parts, &areas, |part| part.has(property)),
         });
         let found: Vec<Found> = found.collect();
-        Self { material: material(&parts, &found), found }
+        let is_double = |part: &Part| part.material.double_sided;
+        let has_mixed_sides = parts.iter().any(is_double) && !parts.iter().all(is_double);
+        Self { material: material(&parts, &found), found, has_mixed_sides }
     }
 
     /// Returns the properties that no factor can store.
