@@ -26,6 +26,7 @@ mod figures;
 mod fooled;
 mod known_distances;
 mod levels;
+mod looks;
 mod low_faults;
 mod made_meshes;
 mod map_proofs;

@@ -1,0 +1,126 @@
+//! Assets that look different although their points are where those of the scan are: backs that are not drawn, thin parts
+//! between others, light, and opacity; and cut-away surface that makes no difference.
+
+use crate::pairs::{ball, changed, direction, grid, is_bad, is_sound, joined, proof, scan_of};
+use taotie::asset::{Figure, Requirement, Scan};
+use taotie_engine::Progress;
+use taotie_engine::image::{Bitmap, Encoding, Sampler, Texels, Texture};
+use taotie_engine::math::{Vec2, Vec3};
+use taotie_engine::mesh::{Mesh, MeshData};
+use taotie_engine::scene::{AlphaMode, Material, Scene, TextureRef, UvTransform};
+
+fn shown(data: MeshData, material: Material) -> Scene {
+    Scene::of_mesh(scan_of(data).mesh().clone(), material).unwrap()
+}
+
+fn scan(scene: &Scene) -> Scan {
+    Scan::from_scene(scene.clone(), Progress::SILENT).unwrap()
+}
+
+/// The lower half of a ball, a sheet.
+fn bowl(double_sided: bool) -> Scene {
+    let sheet = grid([96, 48], true, |u, v| direction(if v == 1.0 { 0.0 } else { u }, 0.5 + 0.5 * v));
+    shown(sheet, Material { double_sided, ..Material::default() })
+}
+
+#[test]
+fn a_vessel_whose_inside_is_not_drawn() {
+    let [double, single] = [true, false].map(bowl);
+    is_bad(&single, &scan(&double), (&["missed"], "no counterpart on the asset"));
+    // A back that only the asset draws hides nothing.
+    is_sound(&double, &scan(&single));
+}
+
+/// A frame with thin bars, narrower than the tolerance next to outlines, and the gaps between them.
+fn screen(is_there: impl Fn(usize) -> bool) -> Scene {
+    let bar = |i: usize| {
+        let left = 0.1 + 0.005 * i as f64;
+        grid([1, 16], false, move |u, v| Vec3::new(left + 0.0022 * u, 0.1 + 0.8 * v, 0.0))
+    };
+    let side = |[x, y]: [f64; 2], [width, height]: [f64; 2]| {
+        grid([8, 8], false, move |u, v| Vec3::new(x + width * u, y + height * v, 0.0))
+    };
+    let frame = [
+        side([0.0, 0.0], [1.0, 0.1]),
+        side([0.0, 0.9], [1.0, 0.1]),
+        side([0.0, 0.1], [0.1, 0.8]),
+        side([0.9, 0.1], [0.1, 0.8]),
+    ];
+    let bars = (0..160).filter(|i| is_there(*i)).map(bar);
+    shown(joined(frame.into_iter().chain(bars)), Material { double_sided: true, ..Material::default() })
+}
+
+#[test]
+fn a_screen_without_every_second_bar() {
+    let all = scan(&screen(|_| true));
+    is_sound(&screen(|_| true), &all);
+    is_bad(&screen(|i| i % 2 == 0), &all, (&["missed"], "no counterpart on the asset"));
+}
+
+#[test]
+fn light_beyond_white_that_is_lost() {
+    let lit = |strength: f32| {
+        shown(ball([48, 24], |_, _| 0.0), Material { emissive: [strength; 3], ..Material::default() })
+    };
+    let bright = scan(&lit(20.0));
+    is_sound(&lit(20.0), &bright);
+    is_bad(&lit(1.0), &bright, (&["mean-color", "patch-color"], "colours are off"));
+    is_bad(&lit(20.0), &scan(&lit(1.0)), (&["mean-color", "patch-color"], "colours are off"));
+}
+
+#[test]
+fn a_body_that_is_opaque_instead_of_translucent() {
+    let of = |opacity: f32| {
+        let material =
+            Material { base_color: [0.5, 0.5, 0.5, opacity], alpha: AlphaMode::Blend, ..Material::default() };
+        shown(ball([48, 24], |_, _| 0.0), material)
+    };
+    let translucent = scan(&of(0.7));
+    is_sound(&of(0.7), &translucent);
+    is_bad(&of(1.0), &translucent, (&["mean-color"], "colours are off"));
+    // What is more transparent than opaque is not compared, which is said.
+    let faint = proof(&of(0.3), &scan(&of(0.3)), Vec::new());
+    let warnings: Vec<&str> = faint.warnings.iter().map(|(what, _)| what).collect();
+    assert!(
+        warnings.iter().any(|what| what.starts_with("100.0 % of the scan's area is more transparent")),
+        "{warnings:?}"
+    );
+    assert!(!warnings.iter().any(|what| what.contains("cannot be seen")), "{warnings:?}");
+}
+
+/// A card of which a texture shows only the left half.
+fn card() -> Scene {
+    let mut data = grid([2, 1], false, |u, v| Vec3::new(u, v, 0.0));
+    data.uvs = vec![data.positions.iter().map(|p| Vec2::new(p.x, p.y)).collect()];
+    let texels = (0..64).map(|x| [200, 200, 200, if x < 32 { 255 } else { 0 }]).collect();
+    let bitmap = Bitmap::new(64, 1, 4, Texels::U8(texels)).unwrap();
+    let (sampler, transform) = (Sampler::default(), UvTransform::default());
+    let used = TextureRef { texture: 0, uv_set: 0, sampler, transform };
+    let material = Material {
+        alpha: AlphaMode::Mask(0.5),
+        base_color_texture: Some(used),
+        double_sided: true,
+        ..Material::default()
+    };
+    let scene = Scene::of_mesh(Mesh::new(data).unwrap(), Material::default()).unwrap();
+    changed(&scene, |data| {
+        data.textures.push(Texture::new(bitmap, Encoding::Srgb));
+        data.materials[0] = material;
+    })
+}
+
+#[test]
+fn surface_that_is_cut_away_has_no_distance() {
+    let trimmed = changed(&card(), |data| {
+        data.meshes[0] = crate::pairs::remade(&data.meshes[0], |mesh| {
+            mesh.positions.iter_mut().for_each(|p| p.x *= 0.5);
+            mesh.uvs[0].iter_mut().for_each(|uv| uv.x *= 0.5);
+        });
+    });
+    for (asset, of) in [(&trimmed, card()), (&card(), trimmed.clone())] {
+        let figures = proof(asset, &scan(&of), Vec::new()).figures;
+        let met = figures.evaluate(&Requirement::standard());
+        let hausdorff = met.iter().find(|met| met.figure == Figure::Hausdorff).unwrap();
+        assert!(hausdorff.met, "{} {:?}", hausdorff.text(), figures.levels[0].hausdorff);
+    }
+}
