@@ -169,7 +169,7 @@ pub struct ShortFigures {
     pub p95_angle: Option<f64>,
     /// The largest one.
     pub max_angle: Option<f64>,
-    /// Mean difference of base colours or emission as seen, CIEDE2000.
+    /// Mean colour difference as seen, CIEDE2000.
     pub mean_color: Option<f64>,
     /// The largest distance between the visible surfaces as a fraction of the diagonal: an upper bound.
     pub hausdorff: f64,

@@ -112,8 +112,11 @@ fn stored_corner(triangle: &[u8; BINARY_TRIANGLE], corner: usize) -> Vec3 {
     Vec3::new(f32::from_le_bytes(words[0]), f32::from_le_bytes(words[1]), f32::from_le_bytes(words[2]))
 }
 
-/// Returns the corners of all triangles of an ASCII file.
+/// Returns the corners of all triangles of an ASCII file. Lines may end in any of the three ways.
 fn ascii(path: &Path, text: &str) -> Result<Vec<Vec3>> {
+    if text.contains('\r') && !text.contains('\n') {
+        return ascii(path, &text.replace('\r', "\n"));
+    }
     match read_facets(text) {
         Some(corners) => Ok(corners),
         None => read_solids(path, text),
@@ -317,6 +320,13 @@ mod tests {
             assert_eq!(Ok(corners), slow.as_ref(), "{}", &text[..text.len().min(200)]);
         }
         (slow, fast.is_some())
+    }
+
+    #[test]
+    fn lines_may_end_in_carriage_returns_only() {
+        let text = format!("solid a\n{}endsolid a\n", facets(3));
+        let read = |text: &str| ascii(Path::new("a.stl"), text).unwrap();
+        assert_eq!(read(&text.replace('\n', "\r")), read(&text));
     }
 
     #[test]

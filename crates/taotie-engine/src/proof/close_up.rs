@@ -29,7 +29,7 @@ pub struct SurfaceSample {
     /// Degrees between the shown normals; 90 if the other surface shows nothing, or if the asset is unlit and the scan
     /// is not.
     pub angle_deg: f32,
-    /// CIEDE2000 between the base colours, or between emission if that differs more; NaN if colours are not compared, or if nothing is shown.
+    /// The colour difference, CIEDE2000; NaN if colours are not compared, or if nothing is shown.
     pub color: f32,
     /// CIEDE2000 between the emission; NaN as above, or if neither of them emits light.
     pub emission: f32,

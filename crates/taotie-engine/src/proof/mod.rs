@@ -21,7 +21,9 @@ pub use mismatch::Mismatch;
 pub use overview::{
     ImageLook, Overview, Picture, PixelDifferences, Relook, Shown, overview, pixel_differences,
 };
-pub use patch::{Patch, PatchQuantity, PatchView, Region, Window, WorstRegions, most_missing, worst_patch};
+pub use patch::{
+    PATCH_SHARE, Patch, PatchQuantity, PatchView, Region, Window, WorstRegions, most_missing, worst_patch,
+};
 pub use silhouette::{SilhouetteFigures, silhouettes};
 pub use statistics::{Estimate, Exceedance, Share, share_interval};
 

@@ -30,8 +30,9 @@ const STEEPEST: f32 = 4.0;
 pub struct Overview {
     /// Degrees between the mean normals of a pixel, excluding outlines; 90 if the asset is unlit and the scan is not.
     pub angles: Option<Estimate>,
-    /// CIEDE2000 between the mean base colours of a pixel, or between its emission if that differs more; `None` if colours
-    /// are not compared.
+    /// Colour differences, CIEDE2000: between the mean base colours of a pixel, or between its emission, relative to its
+    /// brightest channel if that exceeds 1, or 100 times the difference of opacity of blended materials, whichever is largest;
+    /// `None` if colours are not compared.
     pub color: Option<Estimate>,
     /// Number of pixels compared.
     pub pixels: usize,
@@ -90,7 +91,7 @@ pub fn overview(pair: &Pair<'_>, picture: Picture) -> Result<Overview> {
 pub struct PixelDifferences {
     /// Degrees between the mean normals; 90 if the asset is unlit and the scan is not.
     pub angles: Vec<f32>,
-    /// CIEDE2000 of base colours or emission, whichever is larger, of the pixels that have any; empty if colours are not compared.
+    /// Colour differences, CIEDE2000, of the pixels that have colours; empty if colours are not compared.
     pub colors: Vec<f32>,
     /// Differences of metallic or roughness, whichever is larger, [0, 1]; empty if colours are not compared.
     pub numbers: Vec<f32>,

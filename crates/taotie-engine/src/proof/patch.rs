@@ -16,7 +16,7 @@ use crate::trace::Ray;
 use std::collections::BTreeMap;
 
 /// The share of a surface's samples that a window contains.
-pub(super) const SHARE: f64 = 0.01;
+pub const PATCH_SHARE: f64 = 0.01;
 /// Number of windows to try, their centres spread over the surface.
 const WINDOWS: usize = 512;
 /// Maximum number of samples among which a window is searched.
@@ -77,7 +77,7 @@ fn patch_of(
     difference: fn(&SurfaceSample) -> f32,
 ) -> Result<Option<Patch>> {
     let viewer = if close_up.is_of_scan { Viewer::of_scan(pair) } else { Viewer::of_asset(pair) };
-    let Some(window) = worst_window(&close_up.samples, SHARE, difference) else { return Ok(None) };
+    let Some(window) = worst_window(&close_up.samples, PATCH_SHARE, difference) else { return Ok(None) };
     let samples = fresh_samples(viewer, &window, (points / PART).max(POINTS))?;
     let values: Vec<f32> = samples.iter().map(difference).collect();
     let Some(estimate) = Estimate::of(&values)? else { return Ok(None) };
@@ -95,7 +95,8 @@ fn patch_of(
 /// Returns the centre of the window of one per cent of the samples in which most of them are missing, in model units;
 /// `None` if none is.
 pub fn most_missing(close_up: &CloseUp) -> Option<[f64; 3]> {
-    let window = worst_window(&close_up.samples, SHARE, |sample| f32::from(u8::from(sample.is_missing)))?;
+    let window =
+        worst_window(&close_up.samples, PATCH_SHARE, |sample| f32::from(u8::from(sample.is_missing)))?;
     (window.mean > 0.0).then(|| window.center.to_f64().to_array())
 }
 
@@ -246,7 +247,7 @@ const AWAY: f64 = 4.0;
 pub enum PatchQuantity {
     /// The angle between normals, degrees.
     Angle,
-    /// The difference of base colours or emission, CIEDE2000.
+    /// The colour difference, CIEDE2000.
     Color,
 }
 
@@ -373,7 +374,7 @@ pub struct WorstRegions {
     pub skipped: usize,
     /// The region with the largest mean angle between normals, in degrees.
     pub angle: Option<Region>,
-    /// The region with the largest mean difference of base colours or emission, CIEDE2000; `None` if colours are not compared.
+    /// The region with the largest mean colour difference, CIEDE2000; `None` if colours are not compared.
     pub color: Option<Region>,
 }
 
@@ -451,7 +452,7 @@ impl<'a> Regions<'a> {
         let values: Vec<f32> = found.iter().map(difference).collect();
         let Some(estimate) = Estimate::of(&values)? else { return Ok(None) };
         let share = self.samples.get(&label).map_or(0.0, |samples| samples.len() as f64 / self.all as f64);
-        let worst = worst_window(&found, (SHARE / share).min(1.0), difference);
+        let worst = worst_window(&found, (PATCH_SHARE / share).min(1.0), difference);
         Ok(Some(Region {
             number: self.numbers.get(&label).copied().unwrap_or_default(),
             mean: estimate.summary.mean,

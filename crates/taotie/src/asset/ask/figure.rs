@@ -26,11 +26,11 @@ pub enum Figure {
     MaxAngle,
     /// As seen close up: the mean angle in the worst window of 1 % of the surface, degrees; of each level.
     PatchAngle,
-    /// As seen: the mean difference of base colours or emission at the same pixel, CIEDE2000; of each level.
+    /// As seen: the mean colour difference at the same pixel, CIEDE2000; of each level.
     MeanColor,
-    /// As seen: the difference of base colours or emission that 95 % of the pixels stay below, CIEDE2000; of each level.
+    /// As seen: the colour difference that 95 % of the pixels stay below, CIEDE2000; of each level.
     P95Color,
-    /// As seen close up: the mean difference of base colours or emission in the worst window of 1 % of the surface, CIEDE2000; of
+    /// As seen close up: the mean colour difference in the worst window of 1 % of the surface, CIEDE2000; of
     /// each level.
     PatchColor,
     /// On the surface: the mean angle between normals, degrees; of each level.
@@ -48,7 +48,7 @@ pub enum Figure {
     /// As seen close up: the smallest share of the visible surface whose angle between normals is at most
     /// [`Requirement::within`](super::Requirement::within), the worse of scan and asset; of each level.
     WithinAngle,
-    /// The same for the difference of base colours or emission; of each level.
+    /// The same for the colour difference; of each level.
     WithinColor,
     /// The same for the distance to the other surface, as a fraction of the diagonal; of each level.
     WithinDistance,
@@ -178,8 +178,8 @@ impl Figure {
             Self::Hausdorff => (Looking::Shape, "largest distance (Hausdorff), proven bound"),
             Self::Silhouette => (Looking::Shape, "outline, largest deviation"),
             Self::Texel => (Looking::CloseUp, "texel of the asset, median width"),
-            Self::Flip => (Looking::Images, "visual difference (FLIP), mean"),
-            Self::WorstView => (Looking::Images, "visual difference (FLIP), worst view"),
+            Self::Flip => (Looking::Images, "visual difference in grey (FLIP), mean"),
+            Self::WorstView => (Looking::Images, "visual difference in grey (FLIP), worst view"),
             Self::Ssim => (Looking::Images, "structural similarity (SSIM), worst view"),
             Self::Triangles => (Looking::Files, "triangles"),
             Self::GpuMemory => (Looking::Files, "GPU memory"),

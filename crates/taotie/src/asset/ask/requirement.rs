@@ -105,7 +105,7 @@ impl Requirement {
         Self::of(Figure::MeanAngle, most)
     }
 
-    /// Requires a mean CIEDE2000 difference of base colours or emission of at most `most`; about 1 is just visible.
+    /// Requires a mean colour difference of at most `most`, CIEDE2000; about 1 is just visible.
     pub fn mean_color(most: f64) -> Self {
         Self::of(Figure::MeanColor, most)
     }
@@ -240,8 +240,11 @@ pub(in crate::asset) fn argument(requirements: &[Requirement]) -> String {
     texts.join(",")
 }
 
-/// The maximum missed share of the surface in all named sets.
-const MISSED: f64 = 0.001;
+/// The maximum missed share of the surface in all named sets, [0, 1].
+pub(in crate::asset) const MISSED: f64 = 0.001;
+/// The maximum mean differences of the worst window in `standard`: degrees, and CIEDE2000.
+pub(in crate::asset) const PATCH_DEG: f64 = 10.0;
+pub(in crate::asset) const PATCH_COLOR: f64 = 3.0;
 
 /// Serde support for optional requirements: one argument of `--require`, or none.
 pub(super) mod optional {
@@ -267,11 +270,11 @@ impl Requirement {
         vec![
             Self::mean_angle_deg(1.0),
             Self::of(Figure::P95Angle, 5.0),
-            Self::of(Figure::PatchAngle, 10.0),
+            Self::of(Figure::PatchAngle, PATCH_DEG),
             Self::missed(MISSED),
             Self::hausdorff(0.01),
             Self { if_compared: true, ..Self::mean_color(1.0) },
-            Self { if_compared: true, ..Self::of(Figure::PatchColor, 3.0) },
+            Self { if_compared: true, ..Self::of(Figure::PatchColor, PATCH_COLOR) },
         ]
     }
 
@@ -280,7 +283,7 @@ impl Requirement {
     /// colour difference of at most ΔE 0.5 and p95 of 1.5, and no window of 1 % of the surface with more than ΔE 3 on
     /// average. Limits of colours hold only if colours are compared.
     pub fn visually_lossless() -> Vec<Self> {
-        Self::of_use([0.5, 2.0], 0.01, [0.5, 1.5, 3.0])
+        Self::of_use([0.5, 2.0], 0.01, [0.5, 1.5, PATCH_COLOR])
     }
 
     /// Returns limits of the mean and p95 of angles, degrees, of missed surface, of the Hausdorff distance as a

@@ -237,7 +237,7 @@ pub struct Trial {
     pub mean_angle: f64,
     /// The 95th percentile of these angles, degrees.
     pub p95_angle: f64,
-    /// The mean difference of base colours or emission as seen, CIEDE2000; `None` if the scan has no colours.
+    /// The mean colour difference as seen, CIEDE2000; `None` if the scan has no colours.
     pub mean_color: Option<f64>,
     /// The 95th percentile of these differences.
     pub p95_color: Option<f64>,

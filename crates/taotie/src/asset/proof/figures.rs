@@ -176,7 +176,7 @@ impl LevelFigures {
 pub struct WorstPatches {
     /// The window with the largest mean angle between normals, degrees.
     pub angle: Option<Patch>,
-    /// The window with the largest mean difference of base colours or emission, CIEDE2000; `None` if colours are not compared.
+    /// The window with the largest mean colour difference, CIEDE2000; `None` if colours are not compared.
     pub color: Option<Patch>,
 }
 
@@ -242,7 +242,7 @@ pub struct Beyond {
     /// Limits of the angle between normals, degrees; surface that the other one lacks counts as 90, as does surface
     /// on which only the asset is unlit.
     pub angle: Option<Exceedance>,
-    /// Limits of the difference of base colours or emission, CIEDE2000; `None` if colours are not compared.
+    /// Limits of the colour difference, CIEDE2000; `None` if colours are not compared.
     pub color: Option<Exceedance>,
     /// Limits of the distance to the other surface, per cent of the diagonal.
     pub distance: Option<Exceedance>,

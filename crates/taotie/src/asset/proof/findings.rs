@@ -4,6 +4,7 @@
 use super::figures::{Coverage, Figures, FitFigures, LevelFigures};
 use super::outcome::RequirementOutcome;
 use super::shown::ShownLevel;
+use crate::asset::ask::requirement::{MISSED, PATCH_COLOR, PATCH_DEG};
 use crate::asset::ask::{Figure, Requirement};
 use crate::asset::bake::{INSIDE_OUT, percent, useless_map};
 use crate::asset::source::{Property, is_plain, used_materials};
@@ -165,12 +166,6 @@ fn note_coverage(coverage: &Coverage, warnings: &mut Warnings) {
         warnings.note(what, 1);
     }
 }
-
-/// A larger missed share of the surface than this causes a warning.
-const MISSED: f64 = 0.001;
-/// The mean differences of the worst window above which there is a warning: degrees, and CIEDE2000.
-const PATCH_DEG: f64 = 10.0;
-const PATCH_COLOR: f64 = 3.0;
 
 /// A kind of difference at a place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

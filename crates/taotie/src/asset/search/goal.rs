@@ -3,11 +3,9 @@
 
 use crate::asset::ask::{Figure, Lod, Requirement};
 use taotie_engine::image::Encoding;
-use taotie_engine::proof::{Picture, PixelDifferences};
+use taotie_engine::proof::{PATCH_SHARE, Picture, PixelDifferences};
 use taotie_io::{CodecKind, CodecSet, ImageCodec};
 
-/// The worst fraction of the surface used in patch figures.
-const PATCH: f64 = 0.01;
 /// The approximate ratios of p95, and of the mean of the worst patch, to the mean angle.
 const P95_OF_MEAN: f64 = 2.5;
 const PATCH_OF_MEAN: f64 = 6.0;
@@ -26,7 +24,7 @@ const MOST_FACTORS: [f64; 2] = [2.0, 4.0];
 /// Limits of roughness, metallic and the like, as fractions of the largest number.
 const NUMBERS: [Limit; 2] = [
     Limit { statistic: Statistic::Mean, most: 0.02 },
-    Limit { statistic: Statistic::Worst(PATCH), most: 0.12 },
+    Limit { statistic: Statistic::Worst(PATCH_SHARE), most: 0.12 },
 ];
 
 /// The maximum differences of a candidate.
@@ -186,7 +184,7 @@ impl Limit {
         let (statistic, most) = match required.figure {
             Figure::MeanAngle | Figure::MeanColor => (Statistic::Mean, most),
             Figure::P95Angle | Figure::P95Color => (Statistic::Quantile(0.95), most),
-            Figure::PatchAngle | Figure::PatchColor => (Statistic::Worst(PATCH), most),
+            Figure::PatchAngle | Figure::PatchColor => (Statistic::Worst(PATCH_SHARE), most),
             Figure::WithinAngle | Figure::WithinColor => (Statistic::Quantile(most), required.within?),
             _ => return None,
         };
