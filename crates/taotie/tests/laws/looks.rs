@@ -78,7 +78,7 @@ fn a_body_that_is_opaque_instead_of_translucent() {
     let translucent = scan(&of(0.7));
     is_sound(&of(0.7), &translucent);
     is_bad(&of(1.0), &translucent, (&["mean-color"], "colours are off"));
-    // What is more transparent than opaque is not compared, which is said.
+    // A body that is more transparent than opaque is not compared, which a warning states.
     let faint = proof(&of(0.3), &scan(&of(0.3)), Vec::new());
     let warnings: Vec<&str> = faint.warnings.iter().map(|(what, _)| what).collect();
     assert!(

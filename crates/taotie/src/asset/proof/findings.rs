@@ -507,7 +507,13 @@ mod tests {
         let coated = ball(Material { clearcoat: Some(coat), ..Material::default() });
         let plainly = "colour and material, which the scan does not specify";
         assert_eq!(unseen([&plain, &plain], false), [plainly]);
-        assert_eq!(unseen([&coated, &plain], false), ["clearcoat"]);
+        assert_eq!(unseen([&coated, &coated], false), ["clearcoat"]);
+        assert_eq!(unseen([&coated, &plain], false), ["clearcoat, which only the scan has"]);
+        let mut warnings = Warnings::default();
+        note_layers([&plain, &coated], &mut warnings);
+        let what =
+            "not compared: clearcoat, which only the asset has; the asset may look different from the scan";
+        assert!(warnings.iter().map(|(what, _)| what).eq([what]), "{warnings:?}");
         assert_eq!(
             unseen([&plain, &plain], true)[1],
             "poses and variants: only the default ones are compared"
