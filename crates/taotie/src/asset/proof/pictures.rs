@@ -159,7 +159,7 @@ pub(super) fn vertex_angles(mesh: &Mesh, angles: &[f32], side: u32) -> Result<Ve
     let colors = angles.iter().map(|angle| [angle / MOST, 0.0, 0.0, 1.0]).collect();
     let MeshData { positions, triangles, .. } = mesh.clone().into_data();
     let painted = Mesh::new(MeshData { positions, triangles, colors, ..MeshData::default() })?;
-    let scene = Scene::of_mesh(painted, Material { base_color: [1.0; 4], ..neutral() })?;
+    let scene = Scene::of_mesh(painted, Material { base_color: [1.0; 4], double_sided: true, ..neutral() })?;
     let (cameras, settings) = (
         cameras(&scene),
         RenderSettings { width: side, height: side, aovs: true, samples: 1, ..RenderSettings::default() },
@@ -210,15 +210,16 @@ fn cameras(scene: &Scene) -> Vec<Camera> {
     (0..COUNT).map(camera).collect()
 }
 
-/// Returns the scene in one grey material, keeping its normal and height maps; vertex colours, textures, transparency
-/// and lights are removed.
+/// Returns the scene in one grey material, keeping its normal and height maps and which sides are drawn; vertex colours,
+/// textures, transparency and lights are removed.
 fn in_grey(scene: Scene) -> Result<Scene> {
     let mut data = scene.into_data();
     for mesh in data.meshes.iter_mut().filter(|mesh| !mesh.colors().is_empty()) {
         *mesh = Mesh::new(MeshData { colors: Vec::new(), ..std::mem::take(mesh).into_data() })?;
     }
     for material in &mut data.materials {
-        *material = Material { normal: material.normal, height: material.height, ..neutral() };
+        let Material { normal, height, double_sided, .. } = *material;
+        *material = Material { normal, height, double_sided, ..neutral() };
     }
     data.lights.clear();
     Scene::new(data)
@@ -231,12 +232,7 @@ fn in_own_materials(mut scene: Scene) -> Result<Scene> {
 }
 
 fn neutral() -> Material {
-    Material {
-        base_color: [0.55, 0.55, 0.55, 1.0],
-        roughness: 0.5,
-        double_sided: true,
-        ..Material::default()
-    }
+    Material { base_color: [0.55, 0.55, 0.55, 1.0], roughness: 0.5, ..Material::default() }
 }
 
 /// Returns the environment light for scenes if one of them is metallic, which would be black without it: the built-in
