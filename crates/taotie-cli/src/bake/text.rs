@@ -272,12 +272,8 @@ fn shape(figures: &Figures, level: &LevelFigures, table: &mut Table) {
         ]);
     }
     if let Some(resolution) = &level.resolution {
-        let mut text = format!("{} wide (median)", texel_text(resolution.texel, figures.unit));
-        if resolution.share > 0.0 {
-            let (times, share) = (resolution.coarser, percent(resolution.share));
-            let _ =
-                write!(text, ", up to {times:.1} × coarser than the scan's detail on {share} of the surface");
-        }
+        let loss = resolution.loss().map_or_else(String::new, |loss| format!(", {loss}"));
+        let text = format!("{} wide (median){loss}", texel_text(resolution.texel, figures.unit));
         table.row(["texel".into(), text]);
     }
 }

@@ -61,7 +61,7 @@ fn pairs_are_baked_within_a_degree_and_nearly_without_a_miss() {
         assert!(faults.is_empty(), "{high}: {faults:?}");
         // Measured: 12.35° for the koala.
         let patch = number(&report, "/proof/levels/0/patches/angle/mean");
-        assert!(patch < 12.5, "{high}: {patch}°");
+        assert!(patch < 12.4, "{high}: {patch}°");
         validator::assert_valid(&folder.path().join("out.glb"));
         // Packing reorders vertices and rounds directions by 0.05°; the proof must not count that as more.
         let packed = ["--low", low, "-o", "packed.glb", "--size", "1024", "--meshopt"];

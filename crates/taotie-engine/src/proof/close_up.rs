@@ -49,7 +49,7 @@ pub struct SurfaceSample {
 pub struct CloseUp {
     /// Visible points, spread evenly.
     pub samples: Vec<SurfaceSample>,
-    /// The share of the area that other parts of the surface hide, [0, 1].
+    /// The share of the area that other parts of the surface hide, or that only an asset shows, [0, 1].
     pub hidden: f64,
     /// The share of the area that alpha makes transparent, [0, 1].
     pub transparent: f64,
@@ -105,10 +105,8 @@ impl<'a> Viewer<'a> {
         let width = on_scan.map_or(self.footprint.least, |at| self.footprint.at(self.pair.scan.surface, at));
         let pixel = self.footprint.pixel(width);
         let look = |surface: &Scan, point: Point| {
-            let mut look = Look::default();
             let sample = Sample { at: LookupPoint { point, width: pixel }, toward: line.toward };
-            look.add(surface, sample, self.pair.has_material);
-            look
+            Look::of(surface, [sample], self.pair.has_material)
         };
         let texel =
             on_asset.and_then(|at| self.pair.asset.surface.surface().texel_size(at)).unwrap_or(f32::NAN);
@@ -209,13 +207,15 @@ impl CloseUp {
     fn by(viewer: Viewer<'_>, count: usize) -> Result<Self> {
         let point = sample_area(viewer.own.surface.mesh(), count)?;
         let found: Vec<Option<SurfaceSample>> = parallel::collect(count, |i| viewer.sample(point(i)));
-        let share = |is: &(dyn Fn(usize) -> bool + Sync)| {
-            parallel::count(count, |i| found[i].is_none() && is(i)) as f64 / count as f64
+        let unseen = found.iter().filter(|sample| sample.is_none()).count();
+        let transparent = parallel::count(count, |i| found[i].is_none() && viewer.is_transparent(point(i)));
+        let faint = match transparent {
+            0 => 0,
+            _ => parallel::count(count, |i| found[i].is_none() && viewer.is_faint(point(i))),
         };
-        let transparent = share(&|i| viewer.is_transparent(point(i)));
-        let faint = if transparent > 0.0 { share(&|i| viewer.is_faint(point(i))) } else { 0.0 };
-        let hidden = share(&|i| !viewer.is_transparent(point(i)));
-        let samples: Vec<SurfaceSample> = found.into_iter().flatten().collect();
+        let [hidden, transparent, faint] =
+            [unseen - transparent, transparent, faint].map(|points| points as f64 / count as f64);
+        let samples = found.into_iter().flatten().collect();
         Ok(Self { samples, hidden, transparent, faint, points: count, is_of_scan: viewer.is_of_scan })
     }
 

@@ -121,8 +121,15 @@ impl<'a> Side<'a> {
 }
 
 impl Look {
+    /// Returns the look of a pixel at a surface.
+    pub fn of(surface: &Scan, samples: impl IntoIterator<Item = Sample>, reads_material: bool) -> Self {
+        let mut look = Self::default();
+        samples.into_iter().for_each(|sample| look.add(surface, sample, reads_material));
+        look
+    }
+
     /// Adds a point of a surface.
-    pub fn add(&mut self, surface: &Scan, sample: Sample, reads_material: bool) {
+    fn add(&mut self, surface: &Scan, sample: Sample, reads_material: bool) {
         let Sample { at, toward } = sample;
         self.normal += surface.seen_normal(at, toward);
         let shown = surface.surface().material(at.point.triangle);
@@ -142,12 +149,13 @@ impl Look {
         2 * self.unlit > self.samples
     }
 
-    fn mean(&self, sum: Vec3) -> [f32; 3] {
-        (sum * (1.0 / self.samples as f32)).to_array()
-    }
-
-    fn emits(&self) -> bool {
-        light_difference(self.mean(self.emission), [0.0; 3]) > NOTICEABLE
+    fn shade(&self) -> Shade {
+        let mean = |sum: Vec3| (sum * (1.0 / self.samples as f32)).to_array();
+        Shade {
+            color: mean(self.color),
+            light: mean(self.emission),
+            opacity: self.opacity / self.samples as f32,
+        }
     }
 }
 
@@ -172,19 +180,38 @@ impl Difference {
         }
         let off =
             |of: fn(&Look) -> f32| (of(scan) / scan.samples as f32 - of(asset) / asset.samples as f32).abs();
-        let light = light_difference(scan.mean(scan.emission), asset.mean(asset.emission));
-        let color = color_difference(scan.mean(scan.color), asset.mean(asset.color));
+        let [seen, shown] = [scan, asset].map(Look::shade);
+        let emits = |shade: Shade| light_difference(shade.light, [0.0; 3]) > NOTICEABLE;
+        let is_lit = emits(seen) || emits(shown);
         Self {
-            color: larger(larger(color, light), f64::from(off(|look| look.opacity)) * TRANSPARENT) as f32,
-            emission: if scan.emits() || asset.emits() { light as f32 } else { f32::NAN },
+            color: seen.difference(shown) as f32,
+            emission: if is_lit { light_difference(seen.light, shown.light) as f32 } else { f32::NAN },
             number: off(|look| look.metallic).max(off(|look| look.roughness)),
             ..normals
         }
     }
 }
 
-/// The colour difference between transparent and opaque: that between black and white.
-const TRANSPARENT: f64 = 100.0;
+/// A pixel's colour without its normals.
+#[derive(Debug, Clone, Copy)]
+struct Shade {
+    /// The base colour, linear RGB.
+    color: [f32; 3],
+    /// The emission, linear RGB.
+    light: [f32; 3],
+    opacity: f32,
+}
+
+impl Shade {
+    /// Returns the colour difference, as in [`Difference::color`].
+    fn difference(self, other: Self) -> f64 {
+        /// The difference between transparent and opaque: that between black and white.
+        const TRANSPARENT: f64 = 100.0;
+        let opacity = f64::from((self.opacity - other.opacity).abs()) * TRANSPARENT;
+        let light = light_difference(self.light, other.light);
+        larger(larger(color_difference(self.color, other.color), light), opacity)
+    }
+}
 
 /// Returns the CIEDE2000 difference of two emissions in linear RGB, relative to the brightest channel if it exceeds 1.
 fn light_difference(a: [f32; 3], b: [f32; 3]) -> f64 {

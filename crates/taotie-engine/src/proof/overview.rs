@@ -3,9 +3,9 @@
 
 use super::close_up::OUTLINE;
 use super::statistics::Estimate;
-use super::{Difference, Look, NOTICEABLE, Pair, Sample, Side, TRANSPARENT, light_difference};
+use super::{Difference, Look, NOTICEABLE, Pair, Sample, Shade, Side};
 use crate::bake::{LookupPoint, Retextured, sphere_directions};
-use crate::compare::{angle_deg, color_difference};
+use crate::compare::angle_deg;
 use crate::error::Result;
 use crate::image::{Bitmap, Encoding, Texels, Texture};
 use crate::math::{Vec3, integration::Sequence, scalar};
@@ -186,8 +186,8 @@ fn difference(pair: &Pair<'_>, pixel: &Pixel) -> Compared {
     let Some(samples) = pixel.samples(pair.scan) else { return Compared::Outline };
     match pixel.samples(pair.asset) {
         Some(of_asset) => {
-            let scan = look(pair.scan, samples, pair.has_material);
-            let asset = look(pair.asset, of_asset, pair.has_material);
+            let scan = Look::of(pair.scan.surface, samples, pair.has_material);
+            let asset = Look::of(pair.asset.surface, of_asset, pair.has_material);
             Compared::Both(Difference::between(&scan, &asset, pair.has_material))
         }
         None => {
@@ -199,13 +199,6 @@ fn difference(pair: &Pair<'_>, pixel: &Pixel) -> Compared {
             }
         }
     }
-}
-
-/// Returns the look of a pixel at a surface.
-fn look(side: &Side<'_>, samples: Vec<Sample>, reads_material: bool) -> Look {
-    let mut look = Look::default();
-    samples.into_iter().for_each(|sample| look.add(side.surface, sample, reads_material));
-    look
 }
 
 /// The position of a viewer.
@@ -459,14 +452,18 @@ impl Seen {
 
     fn difference(&self, other: &Self, encoding: Encoding, samples: usize) -> f32 {
         let mean = |sum: Vec3| (sum * (1.0 / samples as f32)).to_array();
-        let [a, b] = [self, other].map(|seen| [mean(seen.sum), mean(seen.other)]);
+        let shade = |seen: &Self| Shade {
+            color: mean(seen.sum),
+            light: mean(seen.other),
+            opacity: seen.alpha / samples as f32,
+        };
         match encoding {
             Encoding::Normal => angle_deg(self.sum.to_f64(), other.sum.to_f64()) as f32,
-            Encoding::Srgb => {
-                let alpha = f64::from((self.alpha - other.alpha).abs() / samples as f32) * TRANSPARENT;
-                color_difference(a[0], b[0]).max(light_difference(a[1], b[1])).max(alpha) as f32
+            Encoding::Srgb => shade(self).difference(shade(other)) as f32,
+            Encoding::Linear => {
+                let numbers = mean(self.other).into_iter().zip(mean(other.other));
+                numbers.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
             }
-            Encoding::Linear => a[1].iter().zip(b[1]).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max),
         }
     }
 }

@@ -319,10 +319,8 @@ impl PatchView {
             };
             let width = footprint.pixel(footprint.at(scan, on_scan));
             let [seen, shown] = [(scan, on_scan), (asset, on_asset)].map(|(surface, point)| {
-                let mut look = Look::default();
                 let sample = Sample { at: LookupPoint { point, width }, toward };
-                look.add(surface, sample, of == PatchQuantity::Color);
-                look
+                Look::of(surface, [sample], of == PatchQuantity::Color)
             });
             let found = Difference::between(&seen, &shown, of == PatchQuantity::Color);
             match of {

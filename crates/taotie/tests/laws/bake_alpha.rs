@@ -2,14 +2,15 @@
 //! not visible anywhere.
 
 use crate::bake_material::{baked_onto_itself, bytes, places, scene, scene_of, square, strip, texture_0};
+use crate::pairs::first_texture;
 use std::path::Path;
 use taotie::asset::{Asset, BakeOptions, Baker, Lod, Packing, Scan, VerifyOptions};
 use taotie_engine::Progress;
 use taotie_engine::bake::{self, Cage, MapKind, Plane, TexturedMesh, low_poly_mesh};
-use taotie_engine::image::{Bitmap, Encoding, Sampler, Texels, Texture};
+use taotie_engine::image::{Bitmap, Encoding, Texels, Texture};
 use taotie_engine::math::Mat4;
 use taotie_engine::mesh::Mesh;
-use taotie_engine::scene::{AlphaMode, Instance, Material, Scene, SceneData, TextureRef, UvTransform};
+use taotie_engine::scene::{AlphaMode, Instance, Material, Scene, SceneData};
 use taotie_io::{load_levels, load_model};
 
 const GREEN: [u8; 4] = [20, 200, 40, 255];
@@ -110,12 +111,11 @@ const PLACES: [f64; 3] = [-3.0, 0.0, 3.0];
 fn balls(modes: [AlphaMode; 3]) -> Scan {
     let texels = (0..64 * 64).map(|i| if i < 32 * 64 { [200, 100, 50, 255] } else { [0; 4] }).collect();
     let half = Texture::new(Bitmap::new(64, 64, 4, Texels::U8(texels)).unwrap(), Encoding::Srgb);
-    let (sampler, transform) = (Sampler::default(), UvTransform::default());
     let material = |alpha: AlphaMode| match alpha {
         AlphaMode::Opaque => Material { base_color: [0.2, 0.4, 0.6, 1.0], ..of_mode(alpha) },
         AlphaMode::Mask(_) => {
-            let used = TextureRef { texture: 0, uv_set: 0, sampler, transform };
-            Material { base_color: [1.0; 4], base_color_texture: Some(used), ..of_mode(alpha) }
+            let used = Some(first_texture());
+            Material { base_color: [1.0; 4], base_color_texture: used, ..of_mode(alpha) }
         }
         AlphaMode::Blend => Material { base_color: [0.9, 0.9, 0.9, 0.5], ..of_mode(alpha) },
     };

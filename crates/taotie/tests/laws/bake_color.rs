@@ -1,6 +1,7 @@
 //! Colour and material in a proof: a known difference is reported as it is, what is preserved has none, and grey is
 //! grey whatever the colours.
 
+use crate::pairs::first_texture;
 use std::sync::Arc;
 use taotie::asset::{
     BakeOptions, Baker, LevelFigures, MeshSource, Packing, Proof, Requirement, Scan, VerifyOptions, verify,
@@ -8,10 +9,10 @@ use taotie::asset::{
 use taotie_engine::Progress;
 use taotie_engine::bake::{self, Cage, MapKind, MaterialError, TexelChecks, TexturedMesh, Verifier};
 use taotie_engine::compare::{Field, color_difference};
-use taotie_engine::image::{Bitmap, Encoding, Sampler, Texels, Texture};
+use taotie_engine::image::{Bitmap, Encoding, Texels, Texture};
 use taotie_engine::math::{Mat4, Vec2, Vec3};
 use taotie_engine::mesh::{Mesh, MeshData};
-use taotie_engine::scene::{AlphaMode, Instance, Material, Scene, SceneData, TextureRef, UvTransform};
+use taotie_engine::scene::{AlphaMode, Instance, Material, Scene, SceneData};
 
 /// The numbers of points measured by a proof in these tests.
 const POINTS: VerifyOptions =
@@ -81,8 +82,7 @@ fn alpha_counts_as_it_is_seen() {
 fn colours_that_are_not_finite_are_told() {
     let column = |i: usize| [if i == 3 { f32::NAN } else { 0.5 }, 0.5, 0.5, 1.0];
     let bitmap = Bitmap::new(8, 1, 3, Texels::F32((0..8).map(column).collect())).unwrap();
-    let texture =
-        TextureRef { texture: 0, uv_set: 0, sampler: Sampler::default(), transform: UvTransform::default() };
+    let texture = first_texture();
     let material = Material { base_color_texture: Some(texture), ..Material::default() };
     let plain = ball(Material::default()).into_data();
     let textures = vec![Texture::new(bitmap, Encoding::Linear)];

@@ -4,8 +4,8 @@
 
 use crate::modelled::{askew, nut, welded};
 use crate::pairs::{
-    FINE, Fate, ball, copy_of, grid, is_bad, is_sound, joined, lettered, lettering, made, mesh, moved, onto,
-    scan_of, simple, turned, with_fates,
+    FINE, Fate, ball, copy_of, first_texture, grid, is_bad, is_sound, joined, lettered, lettering, made,
+    mesh, moved, onto, scan_of, simple, turned, with_fates,
 };
 use std::sync::Arc;
 use taotie::asset::{
@@ -13,10 +13,10 @@ use taotie::asset::{
 };
 use taotie_engine::Progress;
 use taotie_engine::bake::MapKind;
-use taotie_engine::image::{Bitmap, Encoding, Sampler, Texels, Texture};
+use taotie_engine::image::{Bitmap, Encoding, Texels, Texture};
 use taotie_engine::math::{Vec2, Vec3};
 use taotie_engine::mesh::{Mesh, MeshData};
-use taotie_engine::scene::{GreenChannel, Material, NormalMap, NormalSpace, Scene, TextureRef, UvTransform};
+use taotie_engine::scene::{GreenChannel, Material, NormalMap, NormalSpace, Scene};
 
 #[test]
 fn a_hidden_wall_below_the_surface() {
@@ -47,8 +47,7 @@ fn label(texels: u32) -> Scan {
     };
     let texels_ = (0..(texels * texels) as usize).map(color).collect();
     let bitmap = Bitmap::new(texels, texels, 3, Texels::U8(texels_)).unwrap();
-    let uses =
-        TextureRef { texture: 0, uv_set: 0, sampler: Sampler::default(), transform: UvTransform::default() };
+    let uses = first_texture();
     let material = Material { base_color_texture: Some(uses), double_sided: true, ..Material::default() };
     let mut plate = grid([48, 48], false, |u, v| Vec3::new(u, 0.02 * libm::sin(u * 6.0), v));
     plate.uvs = vec![plate.positions.iter().map(|p| Vec2::new(p.x, p.z)).collect()];
@@ -214,8 +213,7 @@ fn mapped_ball() -> Scene {
         [r, g, b, 255]
     };
     let bitmap = Bitmap::new(side, side, 3, Texels::U8((0..side * side).map(texel).collect())).unwrap();
-    let texture =
-        TextureRef { texture: 0, uv_set: 0, sampler: Sampler::default(), transform: UvTransform::default() };
+    let texture = first_texture();
     let normal = NormalMap { texture, scale: 1.0, space: NormalSpace::Tangent, green: GreenChannel::Up };
     let material = Material { normal: Some(normal), ..Material::default() };
     let mut scene = Scene::of_mesh(Mesh::sphere(1.0, 48, 24), Material::default()).unwrap();

@@ -1,13 +1,13 @@
 //! Assets that look different although their points are where those of the scan are: backs that are not drawn, thin parts
 //! between others, light, and opacity; and cut-away surface that makes no difference.
 
-use crate::pairs::{ball, changed, direction, grid, is_bad, is_sound, joined, proof, scan_of};
+use crate::pairs::{ball, changed, direction, first_texture, grid, is_bad, is_sound, joined, proof, scan_of};
 use taotie::asset::{Figure, Requirement, Scan};
 use taotie_engine::Progress;
-use taotie_engine::image::{Bitmap, Encoding, Sampler, Texels, Texture};
+use taotie_engine::image::{Bitmap, Encoding, Texels, Texture};
 use taotie_engine::math::{Vec2, Vec3};
 use taotie_engine::mesh::{Mesh, MeshData};
-use taotie_engine::scene::{AlphaMode, Material, Scene, TextureRef, UvTransform};
+use taotie_engine::scene::{AlphaMode, Material, Scene};
 
 fn shown(data: MeshData, material: Material) -> Scene {
     Scene::of_mesh(scan_of(data).mesh().clone(), material).unwrap()
@@ -94,11 +94,9 @@ fn card() -> Scene {
     data.uvs = vec![data.positions.iter().map(|p| Vec2::new(p.x, p.y)).collect()];
     let texels = (0..64).map(|x| [200, 200, 200, if x < 32 { 255 } else { 0 }]).collect();
     let bitmap = Bitmap::new(64, 1, 4, Texels::U8(texels)).unwrap();
-    let (sampler, transform) = (Sampler::default(), UvTransform::default());
-    let used = TextureRef { texture: 0, uv_set: 0, sampler, transform };
     let material = Material {
         alpha: AlphaMode::Mask(0.5),
-        base_color_texture: Some(used),
+        base_color_texture: Some(first_texture()),
         double_sided: true,
         ..Material::default()
     };

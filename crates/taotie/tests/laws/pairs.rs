@@ -8,10 +8,10 @@ use taotie::asset::{
 };
 use taotie_engine::Progress;
 use taotie_engine::bake::{SimplifyOptions, simplify};
-use taotie_engine::image::{Bitmap, Texels, Texture};
+use taotie_engine::image::{Bitmap, Sampler, Texels, Texture};
 use taotie_engine::math::{Mat4, Vec3};
 use taotie_engine::mesh::{Mesh, MeshData};
-use taotie_engine::scene::{Instance, Material, Scene, SceneData};
+use taotie_engine::scene::{Instance, Material, Scene, SceneData, TextureRef, UvTransform};
 use taotie_io::{GltfFormat, load_model, write_scene};
 
 /// A grid of quadrilaterals, `closed` around if its last column is its first: positions of (u, v) in [0, 1]².
@@ -238,6 +238,11 @@ pub fn repainted(texture: &Texture, texel: impl Fn(&[[u8; 4]], u32, [u32; 2]) ->
     let new = (0..old.len() as u32).map(|i| texel(old, side, [i % side, i / side])).collect();
     let bitmap = Bitmap::new(side, bitmap.height(), bitmap.channels(), Texels::U8(new)).unwrap();
     Texture::new(bitmap, texture.encoding())
+}
+
+/// Returns a reference to the first texture, on the first uv set.
+pub fn first_texture() -> TextureRef {
+    TextureRef { texture: 0, uv_set: 0, sampler: Sampler::default(), transform: UvTransform::default() }
 }
 
 /// Returns the triangles of a scan as an asset.

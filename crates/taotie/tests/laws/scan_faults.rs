@@ -2,15 +2,16 @@
 
 use crate::files::data_files;
 use crate::modelled::{askew, loose, nut, welded};
+use crate::pairs::first_texture;
 use taotie::Limits;
 use taotie::asset::{Asset, BakeOptions, Baker, Packing, Requirement, Scan, ScanFile, ScanOptions};
 use taotie::studio::{self, MaterialFactors, MaterialOptions};
 use taotie_engine::Progress;
-use taotie_engine::image::{Bitmap, Encoding, Sampler, Texels, Texture};
+use taotie_engine::image::{Bitmap, Encoding, Texels, Texture};
 use taotie_engine::math::{Mat4, Vec3, scalar};
 use taotie_engine::mesh::Mesh;
 use taotie_engine::scene::{
-    GreenChannel, Instance, Material, NormalMap, NormalSpace, Scene, SceneData, TextureRef, UvTransform,
+    GreenChannel, Instance, Material, NormalMap, NormalSpace, Scene, SceneData, TextureRef,
 };
 use taotie_io::{GltfFormat, load_model, write_scene};
 
@@ -141,8 +142,7 @@ fn bumps(green: GreenChannel) -> Bitmap {
 
 /// A ball with a normal map whose green points up according to its file.
 fn mapped_ball(pixels: GreenChannel) -> Scene {
-    let texture =
-        TextureRef { texture: 0, uv_set: 0, sampler: Sampler::default(), transform: UvTransform::default() };
+    let texture = first_texture();
     let normal = NormalMap { texture, scale: 1.0, space: NormalSpace::Tangent, green: GreenChannel::Up };
     Scene::new(SceneData {
         meshes: vec![Mesh::sphere(1.0, 24, 12)],
@@ -213,8 +213,7 @@ fn a_crease_angle_out_of_range_is_refused() {
 
 /// A ball with a texture of 128 texels across, and a material with it.
 fn textured(texel: fn(u32) -> [u8; 4], encoding: Encoding, material: fn(TextureRef) -> Material) -> Scene {
-    let texture =
-        TextureRef { texture: 0, uv_set: 0, sampler: Sampler::default(), transform: UvTransform::default() };
+    let texture = first_texture();
     let bitmap = Bitmap::new(128, 128, 3, Texels::U8((0..128 * 128).map(texel).collect())).unwrap();
     Scene::new(SceneData {
         meshes: vec![Mesh::sphere(1.0, 48, 24)],

@@ -1,5 +1,6 @@
 //! The figures of a proof: the differences of an asset from its scan, in numbers.
 
+use crate::asset::bake::percent;
 use taotie_engine::bake::{Fit, MaterialError, TexturedMesh};
 use taotie_engine::compare::Summary;
 use taotie_engine::error::Result;
@@ -222,6 +223,15 @@ pub struct Resolution {
     pub coarser: f64,
     /// The share of the visible area where they are more than twice as coarse, [0, 1].
     pub share: f64,
+}
+
+impl Resolution {
+    /// Describes the lost detail; `None` if there is none.
+    pub fn loss(&self) -> Option<String> {
+        let (times, share) = (self.coarser, percent(self.share));
+        let text = format!("up to {times:.1} × coarser than the scan's detail on {share} of the surface");
+        (self.share > 0.0).then_some(text)
+    }
 }
 
 /// Limits that requirements name: the shares are exact at these.

@@ -96,14 +96,11 @@ pub(super) fn note(all: &Figures, requirements: &[Requirement], warnings: &mut W
 /// Notes texels that are coarser than the scan's detail.
 pub(super) fn note_texels(all: &Figures, warnings: &mut Warnings) {
     let resolution = all.finest().and_then(|figures| figures.resolution);
-    if let Some(resolution) = resolution.filter(|resolution| resolution.share > COARSE) {
-        let (times, share) = (resolution.coarser, percent(resolution.share));
+    if let Some(resolution) = resolution.filter(|resolution| resolution.share > COARSE)
+        && let Some(loss) = resolution.loss()
+    {
         let texel = texel_text(resolution.texel, all.unit);
-        let what = format!(
-            "texels, {texel} wide, are up to {times:.1} × coarser than the scan's detail on {share} of the surface; use a \
-             larger map, or --size auto"
-        );
-        warnings.note(what, 1);
+        warnings.note(format!("texels, {texel} wide, are {loss}; use a larger map, or --size auto"), 1);
     }
 }
 
