@@ -149,7 +149,14 @@ fn as_seen(figures: &Figures, level: &LevelFigures, table: &mut Table) {
     if let Some(color) = &level.overview.color {
         table.row(["colour error as seen (ΔE00)".into(), summary_text(&color.summary, 2, "")]);
     }
-    let patches = [(&level.patches.angle, "", "°"), (&level.patches.color, "ΔE ", "")];
+    if let Some(material) = &level.overview.material {
+        table.row(["material error as seen".into(), summary_text(&material.summary, 3, "")]);
+    }
+    let patches = [
+        (&level.patches.angle, "", "°"),
+        (&level.patches.color, "ΔE ", ""),
+        (&level.patches.material, "material ", ""),
+    ];
     let patches: Vec<String> = patches
         .into_iter()
         .filter_map(|(patch, before, after)| {

@@ -33,6 +33,8 @@ pub struct SurfaceSample {
     pub color: f32,
     /// CIEDE2000 between the emission; NaN as above, or if neither of them emits light.
     pub emission: f32,
+    /// The difference of metallic, roughness or occlusion, whichever is largest, [0, 1]; NaN as for colours.
+    pub material: f32,
     /// `true` if the other surface shows nothing there, or another part of the object; or if the asset is unlit there
     /// and the scan is not, so that its relief is not shown.
     pub is_missing: bool,
@@ -123,6 +125,7 @@ impl<'a> Viewer<'a> {
             angle_deg: if is_beside { f32::NAN } else { NOTHING_DEG },
             color: f32::NAN,
             emission: f32::NAN,
+            material: f32::NAN,
             is_missing: !is_beside,
             distance: closest.map_or(f32::INFINITY, |closest| closest.distance),
             texel,
@@ -132,8 +135,8 @@ impl<'a> Viewer<'a> {
             let (seen, shown) = (look(own, point), look(other, hit.point()));
             let [of_scan, of_asset] = if self.is_of_scan { [seen, shown] } else { [shown, seen] };
             let found = Difference::between(&of_scan, &of_asset, self.pair.has_material);
-            let Difference { angle_deg, color, emission, is_hidden, .. } = found;
-            sample = SurfaceSample { angle_deg, color, emission, is_missing: is_hidden, ..sample };
+            let Difference { angle_deg, color, emission, material, is_hidden } = found;
+            sample = SurfaceSample { angle_deg, color, emission, material, is_missing: is_hidden, ..sample };
         }
         Some(sample)
     }

@@ -64,7 +64,10 @@ struct Look {
     opacity: f32,
     metallic: f32,
     roughness: f32,
+    occlusion: f32,
     samples: u32,
+    /// Samples of materials with an occlusion texture.
+    occluded: u32,
     /// Samples of unlit materials, which show no normals.
     unlit: u32,
 }
@@ -79,8 +82,9 @@ struct Difference {
     color: f32,
     /// CIEDE2000 between the emission; NaN if neither emits noticeable light, or if materials are not compared.
     emission: f32,
-    /// The difference of metallic or of roughness, whichever is larger, [0, 1]; NaN if materials are not compared.
-    number: f32,
+    /// The difference of metallic, of roughness, or of the occlusion that the scan has, whichever is largest, [0, 1]; NaN if
+    /// materials are not compared.
+    material: f32,
     /// `true` if most of the asset's samples are unlit, and most of the scan's are lit.
     is_hidden: bool,
 }
@@ -140,6 +144,8 @@ impl Look {
             self.opacity += if shown.alpha == AlphaMode::Blend { material.alpha } else { 1.0 };
             self.metallic += material.metallic;
             self.roughness += material.roughness;
+            self.occlusion += material.occlusion;
+            self.occluded += u32::from(shown.occlusion_texture.is_some());
         }
         self.samples += 1;
         self.unlit += u32::from(shown.unlit);
@@ -166,7 +172,7 @@ impl Difference {
             angle_deg: f32::NAN,
             color: f32::NAN,
             emission: f32::NAN,
-            number: f32::NAN,
+            material: f32::NAN,
             is_hidden: false,
         };
         if scan.samples.min(asset.samples) == 0 {
@@ -183,10 +189,11 @@ impl Difference {
         let [seen, shown] = [scan, asset].map(Look::shade);
         let emits = |shade: Shade| light_difference(shade.light, [0.0; 3]) > NOTICEABLE;
         let is_lit = emits(seen) || emits(shown);
+        let occlusion = if scan.occluded > 0 { off(|look| look.occlusion) } else { 0.0 };
         Self {
             color: seen.difference(shown) as f32,
             emission: if is_lit { light_difference(seen.light, shown.light) as f32 } else { f32::NAN },
-            number: off(|look| look.metallic).max(off(|look| look.roughness)),
+            material: off(|look| look.metallic).max(off(|look| look.roughness)).max(occlusion),
             ..normals
         }
     }

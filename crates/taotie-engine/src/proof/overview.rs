@@ -34,6 +34,10 @@ pub struct Overview {
     /// brightest channel if that exceeds 1, or 100 times the difference of opacity of blended materials, whichever is largest;
     /// `None` if colours are not compared.
     pub color: Option<Estimate>,
+    /// Differences of metallic, of roughness, or of the occlusion that the scan has, whichever is largest, [0, 1]; `None` as
+    /// for colours.
+    #[serde(default)]
+    pub material: Option<Estimate>,
     /// Number of pixels compared.
     pub pixels: usize,
     /// Pixels across the object: 512, or fewer for a level of detail that is only shown at that size.
@@ -43,7 +47,7 @@ pub struct Overview {
 impl Default for Overview {
     /// No pixels of a whole object.
     fn default() -> Self {
-        Self { angles: None, color: None, pixels: 0, across: SIDE as f32 }
+        Self { angles: None, color: None, material: None, pixels: 0, across: SIDE as f32 }
     }
 }
 
@@ -81,9 +85,14 @@ impl Picture {
 /// # Errors
 /// As [`Estimate::of`].
 pub fn overview(pair: &Pair<'_>, picture: Picture) -> Result<Overview> {
-    let PixelDifferences { angles, colors, .. } = pixel_differences(pair, picture);
-    let (pixels, across) = (angles.len(), picture.across);
-    Ok(Overview { angles: Estimate::of(&angles)?, color: Estimate::of(&colors)?, pixels, across })
+    let PixelDifferences { angles, colors, materials, .. } = pixel_differences(pair, picture);
+    Ok(Overview {
+        angles: Estimate::of(&angles)?,
+        color: Estimate::of(&colors)?,
+        material: Estimate::of(&materials)?,
+        pixels: angles.len(),
+        across: picture.across,
+    })
 }
 
 /// Differences at the same pixels.
@@ -93,8 +102,8 @@ pub struct PixelDifferences {
     pub angles: Vec<f32>,
     /// Colour differences, CIEDE2000, of the pixels that have colours; empty if colours are not compared.
     pub colors: Vec<f32>,
-    /// Differences of metallic or roughness, whichever is larger, [0, 1]; empty if colours are not compared.
-    pub numbers: Vec<f32>,
+    /// Differences of metallic, roughness or occlusion, whichever is largest, [0, 1]; empty if colours are not compared.
+    pub materials: Vec<f32>,
     /// The share of the pixels with the scan in which nothing of the asset is seen or near, [0, 1].
     pub missing: f64,
 }
@@ -102,7 +111,7 @@ pub struct PixelDifferences {
 impl PixelDifferences {
     /// Returns the same in ascending order.
     pub fn sorted(mut self) -> Self {
-        for differences in [&mut self.angles, &mut self.colors, &mut self.numbers] {
+        for differences in [&mut self.angles, &mut self.colors, &mut self.materials] {
             differences.sort_unstable_by(f32::total_cmp);
         }
         self
@@ -121,7 +130,7 @@ pub fn pixel_differences(pair: &Pair<'_>, picture: Picture) -> PixelDifferences 
     PixelDifferences {
         angles: all(|one| one.angle_deg),
         colors: all(|one| one.color),
-        numbers: all(|one| one.number),
+        materials: all(|one| one.material),
         missing,
     }
 }

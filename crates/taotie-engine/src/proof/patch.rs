@@ -32,7 +32,7 @@ const MOST_TRIED: usize = 128;
 /// The window of one per cent of the visible surface in which an asset differs most from its scan.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Patch {
-    /// The mean difference within it, in degrees or CIEDE2000.
+    /// The mean difference within it, in degrees, CIEDE2000, or as a fraction of the largest number.
     pub mean: f64,
     /// Its 99 % interval.
     pub interval: [f64; 2],
@@ -61,6 +61,7 @@ pub fn worst_patch(
     let differences: &[fn(&SurfaceSample) -> f32] = match of {
         PatchQuantity::Angle => &[|sample| sample.angle_deg],
         PatchQuantity::Color => &[|sample| sample.color, |sample| sample.emission],
+        PatchQuantity::Material => &[|sample| sample.material],
     };
     let mut worst: Option<Patch> = None;
     for difference in differences {
@@ -249,6 +250,8 @@ pub enum PatchQuantity {
     Angle,
     /// The colour difference, CIEDE2000.
     Color,
+    /// The difference of metallic, roughness or occlusion, whichever is largest, [0, 1].
+    Material,
 }
 
 /// A parallel view of a patch, from the direction in which it is seen, with some margin.
@@ -320,12 +323,13 @@ impl PatchView {
             let width = footprint.pixel(footprint.at(scan, on_scan));
             let [seen, shown] = [(scan, on_scan), (asset, on_asset)].map(|(surface, point)| {
                 let sample = Sample { at: LookupPoint { point, width }, toward };
-                Look::of(surface, [sample], of == PatchQuantity::Color)
+                Look::of(surface, [sample], of != PatchQuantity::Angle)
             });
-            let found = Difference::between(&seen, &shown, of == PatchQuantity::Color);
+            let found = Difference::between(&seen, &shown, of != PatchQuantity::Angle);
             match of {
                 PatchQuantity::Angle => found.angle_deg,
                 PatchQuantity::Color => found.color,
+                PatchQuantity::Material => found.material,
             }
         };
         Field::new(side, side, parallel::collect((side * side) as usize, difference))

@@ -100,6 +100,7 @@ fn as_seen(level: &LevelFigures) -> Section {
     let mut rows: Vec<Vec<Cell>> = [
         row_of_summary("normals, overview (°)", of(&overview.angles).as_ref()),
         row_of_summary("colours, overview (ΔE00)", of(&overview.color).as_ref()),
+        row_of_summary("metallic, roughness or occlusion, overview", of(&overview.material).as_ref()),
     ]
     .into_iter()
     .flatten()
@@ -107,6 +108,7 @@ fn as_seen(level: &LevelFigures) -> Section {
     let patches = [
         ("normals, close-up, worst 1 % of the surface (°)", &level.patches.angle),
         ("colours, close-up, worst 1 % of the surface (ΔE00)", &level.patches.color),
+        ("metallic, roughness or occlusion, close-up, worst 1 % of the surface", &level.patches.material),
     ];
     for (name, patch) in patches {
         let Some(patch) = patch else { continue };

@@ -60,20 +60,18 @@ pub(super) fn worst_patches(proof: &Proof) -> Result<Vec<View>> {
 
 fn patch_view(figures: &Figures, pictures: &PatchPictures) -> Result<View> {
     let PatchPictures { patch, of, scan, asset, difference, flip, .. } = pictures;
-    let (name, unit, map) = match of {
-        PatchQuantity::Angle => ("Worst patch: normals", "°", ColorMap::Viridis),
-        PatchQuantity::Color => ("Worst patch: colours", "ΔE00", ColorMap::Viridis),
+    let (name, unit, mean) = match of {
+        PatchQuantity::Angle => ("normals", "°", format!("{:.2}°", patch.mean)),
+        PatchQuantity::Color => ("colours", "ΔE00", format!("ΔE00 {:.2}", patch.mean)),
+        PatchQuantity::Material => ("metallic, roughness or occlusion", "", format!("{:.3}", patch.mean)),
     };
-    let top = top_over(patch.mean);
-    let (look, mean) = match of {
-        PatchQuantity::Angle => ("in one grey material", format!("{:.2}°", patch.mean)),
-        PatchQuantity::Color => ("in their own materials", format!("ΔE00 {:.2}", patch.mean)),
-    };
+    let look = if *of == PatchQuantity::Angle { "in one grey material" } else { "in their own materials" };
+    let (top, map) = (top_over(patch.mean), ColorMap::Viridis);
     let place = place_text(patch.center, figures.diagonal, figures.unit);
     let surface = if patch.is_of_scan { "scan" } else { "asset" };
     let heat = HeatMap { field: difference, title: "difference", unit, map, top };
     Ok(View {
-        name: name.into(),
+        name: format!("Worst patch: {name}"),
         note: format!(
             "Close-up of the window covering 1 % of the visible surface with the largest mean difference: {mean}, \
              measured at points of the {surface} around {place}. Both are rendered from the same direction, {look} \

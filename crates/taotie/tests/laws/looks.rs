@@ -1,5 +1,5 @@
 //! Assets that look different although their points are where those of the scan are: backs that are not drawn, thin parts
-//! between others, light, and opacity; and cut-away surface that makes no difference.
+//! between others, light, opacity, and materials; and cut-away surface that makes no difference.
 
 use crate::pairs::{ball, changed, direction, first_texture, grid, is_bad, is_sound, joined, proof, scan_of};
 use taotie::asset::{Figure, Requirement, Scan};
@@ -86,6 +86,51 @@ fn a_body_that_is_opaque_instead_of_translucent() {
         "{warnings:?}"
     );
     assert!(!warnings.iter().any(|what| what.contains("cannot be seen")), "{warnings:?}");
+}
+
+/// A ball whose texture holds occlusion, roughness and metallic, given at each of its columns, [0, 1].
+fn inlaid(numbers: impl Fn(u32) -> [u8; 3]) -> Scene {
+    const COLUMNS: u32 = 64;
+    let texels = (0..COLUMNS).map(|x| numbers(x)).map(|[r, g, b]| [r, g, b, u8::MAX]).collect();
+    let bitmap = Bitmap::new(COLUMNS, 1, 3, Texels::U8(texels)).unwrap();
+    let body = shown(ball([64, 32], |_, _| 0.0), Material::default());
+    changed(&body, |data| {
+        data.textures.push(Texture::new(bitmap, Encoding::Linear));
+        let [occlusion_texture, metallic_roughness_texture] = [Some(first_texture()); 2];
+        let (metallic, roughness) = (1.0, 1.0);
+        let material = &mut data.materials[0];
+        *material = Material {
+            metallic,
+            roughness,
+            metallic_roughness_texture,
+            occlusion_texture,
+            ..material.clone()
+        };
+    })
+}
+
+#[test]
+fn materials_that_are_lost() {
+    let gilded = |x: u32| if x < 4 { u8::MAX } else { 0 };
+    let sound = |x: u32| [u8::MAX, 100, gilded(x)];
+    let all = scan(&inlaid(sound));
+    is_sound(&inlaid(|x| [255, 101, sound(x)[2]]), &all);
+    let is_off = |numbers: &dyn Fn(u32) -> [u8; 3], figures: &[&str]| {
+        is_bad(&inlaid(numbers), &all, (figures, "metallic, roughness or occlusion is off by"))
+    };
+    is_off(&|_| [255, 100, 0], &["mean-material", "patch-material"]);
+    is_off(&|x| [255, 200, gilded(x)], &["mean-material", "patch-material"]);
+    is_off(&|x| [128, 100, gilded(x)], &["mean-material", "patch-material"]);
+    // A bake may add occlusion.
+    let bare = changed(&inlaid(sound), |data| data.materials[0].occlusion_texture = None);
+    is_sound(&inlaid(|x| [128, 100, gilded(x)]), &scan(&bare));
+    // But not omit it.
+    let shaded = scan(&inlaid(|x| [if x < 32 { 100 } else { 255 }, 100, gilded(x)]));
+    is_bad(
+        &bare,
+        &shaded,
+        (&["mean-material", "patch-material"], "metallic, roughness or occlusion is off by"),
+    );
 }
 
 /// A card of which a texture shows only the left half.

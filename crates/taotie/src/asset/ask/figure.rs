@@ -33,6 +33,11 @@ pub enum Figure {
     /// As seen close up: the mean colour difference in the worst window of 1 % of the surface, CIEDE2000; of
     /// each level.
     PatchColor,
+    /// As seen: the mean difference of metallic, roughness or occlusion at the same pixel, whichever is largest, as a
+    /// fraction of the largest number; of each level. Occlusion counts if the scan has a texture of it.
+    MeanMaterial,
+    /// As seen close up: the same in the worst window of 1 % of the surface; of each level.
+    PatchMaterial,
     /// On the surface: the mean angle between normals, degrees; of each level.
     SurfaceMeanAngle,
     /// On the surface: the angle that 95 % of the points stay below, degrees; of each level.
@@ -84,6 +89,8 @@ impl Named for Figure {
         ("mean-color", Self::MeanColor),
         ("p95-color", Self::P95Color),
         ("patch-color", Self::PatchColor),
+        ("mean-material", Self::MeanMaterial),
+        ("patch-material", Self::PatchMaterial),
         ("surface-mean-angle", Self::SurfaceMeanAngle),
         ("surface-p95-angle", Self::SurfaceP95Angle),
         ("surface-max-angle", Self::SurfaceMaxAngle),
@@ -167,6 +174,10 @@ impl Figure {
             Self::MeanColor => (Looking::Overview, "colour error, mean"),
             Self::P95Color => (Looking::Overview, "colour error, 95 %"),
             Self::PatchColor => (Looking::CloseUp, "colour error, mean in the worst 1 % of the surface"),
+            Self::MeanMaterial => {
+                (Looking::Overview, "material error (metallic, roughness, occlusion), mean")
+            }
+            Self::PatchMaterial => (Looking::CloseUp, "material error, mean in the worst 1 % of the surface"),
             Self::SurfaceMeanAngle => (Looking::OnTheSurface, "normal error, mean"),
             Self::SurfaceP95Angle => (Looking::OnTheSurface, "normal error, 95 %"),
             Self::SurfaceMaxAngle => (Looking::OnTheSurface, "normal error, largest sampled"),
@@ -190,9 +201,12 @@ impl Figure {
     /// Returns the samples whose number narrows the figure's interval; `None` for figures without an interval.
     pub(in crate::asset) fn sampling(self) -> Option<Sampling> {
         match self {
-            Self::MeanAngle | Self::P95Angle | Self::MeanColor | Self::P95Color => Some(Sampling::Overview),
+            Self::MeanAngle | Self::P95Angle | Self::MeanColor | Self::P95Color | Self::MeanMaterial => {
+                Some(Sampling::Overview)
+            }
             Self::PatchAngle
             | Self::PatchColor
+            | Self::PatchMaterial
             | Self::Missed
             | Self::WithinAngle
             | Self::WithinColor
@@ -215,6 +229,7 @@ impl Figure {
             Self::MeanAngle | Self::P95Angle | Self::MaxAngle | Self::PatchAngle => DEGREES,
             Self::SurfaceMeanAngle | Self::SurfaceP95Angle | Self::SurfaceMaxAngle => DEGREES,
             Self::MeanColor | Self::P95Color | Self::PatchColor => COLOR,
+            Self::MeanMaterial | Self::PatchMaterial => PER_CENT,
             Self::Missed | Self::Completeness | Self::Hausdorff => PER_CENT,
             Self::WithinAngle | Self::WithinColor | Self::WithinDistance => PER_CENT,
             Self::Silhouette => PIXELS,

@@ -245,6 +245,10 @@ pub(in crate::asset) const MISSED: f64 = 0.001;
 /// The maximum mean differences of the worst window in `standard`: degrees, and CIEDE2000.
 pub(in crate::asset) const PATCH_DEG: f64 = 10.0;
 pub(in crate::asset) const PATCH_COLOR: f64 = 3.0;
+/// The limit of metallic, roughness and occlusion in all named sets per ΔE of the limit of colours: see
+/// docs/decisions/proof.md.
+const MATERIAL_OF_COLOR: f64 = 0.04;
+pub(in crate::asset) const PATCH_MATERIAL: f64 = PATCH_COLOR * MATERIAL_OF_COLOR;
 
 /// Serde support for optional requirements: one argument of `--require`, or none.
 pub(super) mod optional {
@@ -264,37 +268,57 @@ pub(super) mod optional {
 impl Requirement {
     /// Returns the requirements of `--require standard`: a mean angle of at most 1° and p95 of 5° as seen, no window
     /// of 1 % of the surface with more than 10° or ΔE 3 on average, at most 0.1 % missed, a Hausdorff distance of at
-    /// most 1 % of the diagonal, and a mean colour difference of at most ΔE 1. Limits of colours hold only if colours
-    /// are compared.
+    /// most 1 % of the diagonal, a mean colour difference of at most ΔE 1, and differences of metallic, roughness and
+    /// occlusion of at most 4 % on average and 12 % in any window. Limits of colours and materials hold only if they are
+    /// compared.
     pub fn standard() -> Vec<Self> {
-        vec![
+        let shape = [
             Self::mean_angle_deg(1.0),
             Self::of(Figure::P95Angle, 5.0),
             Self::of(Figure::PatchAngle, PATCH_DEG),
             Self::missed(MISSED),
             Self::hausdorff(0.01),
-            Self { if_compared: true, ..Self::mean_color(1.0) },
-            Self { if_compared: true, ..Self::of(Figure::PatchColor, PATCH_COLOR) },
-        ]
+        ];
+        shape
+            .into_iter()
+            .chain(Self::of_looks(&[(Figure::MeanColor, 1.0), (Figure::PatchColor, PATCH_COLOR)]))
+            .collect()
+    }
+
+    /// Returns limits of colours, CIEDE2000, and those of materials that belong to them; they hold only if colours are
+    /// compared.
+    fn of_looks(colors: &[(Figure, f64)]) -> impl Iterator<Item = Self> {
+        let material = |(figure, most): &(Figure, f64)| {
+            let figure = match figure {
+                Figure::MeanColor => Figure::MeanMaterial,
+                Figure::PatchColor => Figure::PatchMaterial,
+                _ => return None,
+            };
+            Some((figure, most * MATERIAL_OF_COLOR))
+        };
+        let all: Vec<(Figure, f64)> =
+            colors.iter().copied().chain(colors.iter().filter_map(material)).collect();
+        all.into_iter().map(|(figure, most)| Self { if_compared: true, ..Self::of(figure, most) })
     }
 
     /// Returns the requirements of `--require visually-lossless`, the default goal of a bake: a mean angle of at most
     /// 0.5° and p95 of 2° as seen, at most 0.1 % missed, a Hausdorff distance of at most 1 % of the diagonal, a mean
-    /// colour difference of at most ΔE 0.5 and p95 of 1.5, and no window of 1 % of the surface with more than ΔE 3 on
-    /// average. Limits of colours hold only if colours are compared.
+    /// colour difference of at most ΔE 0.5 and p95 of 1.5, no window of 1 % of the surface with more than ΔE 3 on
+    /// average, and differences of metallic, roughness and occlusion of at most 2 % on average and 12 % in any window.
+    /// Limits of colours and materials hold only if they are compared.
     pub fn visually_lossless() -> Vec<Self> {
         Self::of_use([0.5, 2.0], 0.01, [0.5, 1.5, PATCH_COLOR])
     }
 
     /// Returns limits of the mean and p95 of angles, degrees, of missed surface, of the Hausdorff distance as a
-    /// fraction of the diagonal, and of the mean, p95 and worst patch of colours, CIEDE2000. Those of colours hold
-    /// only if colours are compared.
+    /// fraction of the diagonal, and of the mean, p95 and worst patch of colours, CIEDE2000, with those of materials. Those
+    /// of colours and materials hold only if they are compared.
     fn of_use([mean, p95]: [f64; 2], hausdorff: f64, colors: [f64; 3]) -> Vec<Self> {
         let angles = [Self::mean_angle_deg(mean), Self::of(Figure::P95Angle, p95)];
         let shape = [Self::missed(MISSED), Self::hausdorff(hausdorff)];
-        let figures = [Figure::MeanColor, Figure::P95Color, Figure::PatchColor];
-        let of_color = |(figure, most)| Self { if_compared: true, ..Self::of(figure, most) };
-        angles.into_iter().chain(shape).chain(figures.into_iter().zip(colors).map(of_color)).collect()
+        let [mean, p95, patch] = colors;
+        let colors = [(Figure::MeanColor, mean), (Figure::P95Color, p95), (Figure::PatchColor, patch)];
+        angles.into_iter().chain(shape).chain(Self::of_looks(&colors)).collect()
     }
 
     /// Returns the named sets of requirements; a set that begins with another is listed before it.

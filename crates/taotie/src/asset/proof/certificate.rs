@@ -13,12 +13,14 @@ use taotie_engine::scene::NormalSpace;
 use taotie_io::{Limits, StoredImage, StoredParts};
 
 /// The figures that a certificate states, in order, if they were measured.
-const KEY_FIGURES: [Figure; 13] = [
+const KEY_FIGURES: [Figure; 15] = [
     Figure::MeanAngle,
     Figure::P95Angle,
     Figure::PatchAngle,
     Figure::MeanColor,
     Figure::PatchColor,
+    Figure::MeanMaterial,
+    Figure::PatchMaterial,
     Figure::Missed,
     Figure::Completeness,
     Figure::Hausdorff,

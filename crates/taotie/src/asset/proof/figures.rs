@@ -179,6 +179,10 @@ pub struct WorstPatches {
     pub angle: Option<Patch>,
     /// The window with the largest mean colour difference, CIEDE2000; `None` if colours are not compared.
     pub color: Option<Patch>,
+    /// The window with the largest mean difference of metallic, roughness or occlusion, [0, 1]; `None` if materials are not
+    /// compared.
+    #[serde(default)]
+    pub material: Option<Patch>,
 }
 
 /// Surface that one of the two shows and the other lacks, as shares of area, [0, 1]. Surface on which only the asset is

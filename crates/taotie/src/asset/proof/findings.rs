@@ -4,7 +4,7 @@
 use super::figures::{Coverage, Figures, FitFigures, LevelFigures};
 use super::outcome::RequirementOutcome;
 use super::shown::ShownLevel;
-use crate::asset::ask::requirement::{MISSED, PATCH_COLOR, PATCH_DEG};
+use crate::asset::ask::requirement::{MISSED, PATCH_COLOR, PATCH_DEG, PATCH_MATERIAL};
 use crate::asset::ask::{Figure, Requirement};
 use crate::asset::bake::{INSIDE_OUT, percent, useless_map};
 use crate::asset::source::{Property, is_plain, used_materials};
@@ -173,6 +173,8 @@ enum Fault {
     Normals,
     /// Colours are off.
     Colors,
+    /// Metallic, roughness or occlusion is off.
+    Material,
     /// The surfaces are apart.
     Apart,
 }
@@ -208,7 +210,7 @@ fn note_worst_places(all: &Figures, requirements: &[Requirement], warnings: &mut
 fn places<'a>(all: &Figures, number: usize, unmet: &'a [RequirementOutcome]) -> Vec<Place<'a>> {
     let level = &all.levels[number];
     let mut places: Vec<Place<'_>> = Vec::new();
-    for fault in [Fault::Missing, Fault::Normals, Fault::Colors, Fault::Apart] {
+    for fault in [Fault::Missing, Fault::Normals, Fault::Colors, Fault::Material, Fault::Apart] {
         let is_its =
             |met: &&RequirementOutcome| met.level == Some(number) && Fault::behind(met.figure) == Some(fault);
         let unmet: Vec<&RequirementOutcome> = unmet.iter().filter(is_its).collect();
@@ -253,6 +255,7 @@ impl Fault {
             Figure::MeanColor | Figure::P95Color | Figure::PatchColor | Figure::WithinColor => {
                 Some(Self::Colors)
             }
+            Figure::MeanMaterial | Figure::PatchMaterial => Some(Self::Material),
             Figure::Silhouette | Figure::Texel | Figure::Triangles | Figure::GpuMemory | Figure::Bytes => {
                 None
             }
@@ -267,6 +270,7 @@ impl Fault {
             Self::Apart => false,
             Self::Normals => level.patches.angle.is_some_and(|patch| patch.mean > PATCH_DEG),
             Self::Colors => level.patches.color.is_some_and(|patch| patch.mean > PATCH_COLOR),
+            Self::Material => level.patches.material.is_some_and(|patch| patch.mean > PATCH_MATERIAL),
         }
     }
 
@@ -280,6 +284,9 @@ impl Fault {
             Self::Colors => {
                 level.patches.color.map(|patch| format!("colours are off by ΔE {:.1} on average", patch.mean))
             }
+            Self::Material => level.patches.material.map(|patch| {
+                format!("metallic, roughness or occlusion is off by {} on average", percent(patch.mean))
+            }),
             Self::Apart => level.hausdorff.at.map(|_| "the surfaces are farthest apart".into()),
         }
     }
@@ -290,6 +297,7 @@ impl Fault {
             Self::Missing => level.coverage.missed_at,
             Self::Normals => level.patches.angle.map(|patch| patch.center),
             Self::Colors => level.patches.color.map(|patch| patch.center),
+            Self::Material => level.patches.material.map(|patch| patch.center),
             Self::Apart => level.hausdorff.at,
         }
     }
@@ -298,7 +306,7 @@ impl Fault {
     fn extent(self) -> &'static str {
         match self {
             Self::Missing => ", most of it",
-            Self::Normals | Self::Colors => " in the worst 1 % of the surface,",
+            Self::Normals | Self::Colors | Self::Material => " in the worst 1 % of the surface,",
             Self::Apart => "",
         }
     }
@@ -333,8 +341,9 @@ pub(super) const OCCLUSION: &str = "ambient occlusion, whose map only its bake m
 pub(super) fn unseen([scan, asset]: [&Scene; 2], poses: bool) -> Vec<String> {
     let plain = is_plain(scan).then_some("colour and material, which the scan does not specify");
     let poses = poses.then_some("poses and variants: only the default ones are compared");
-    let has_occlusion = used_materials(asset).any(|material| material.occlusion_texture.is_some());
-    let occlusion = has_occlusion.then_some(OCCLUSION);
+    let has_occlusion =
+        |scene: &Scene| used_materials(scene).any(|material| material.occlusion_texture.is_some());
+    let occlusion = (has_occlusion(asset) && !has_occlusion(scan)).then_some(OCCLUSION);
     let all = plain.into_iter().chain(poses).chain(occlusion).map(str::to_owned);
     all.chain(
         layers([scan, asset])

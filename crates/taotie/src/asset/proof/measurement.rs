@@ -333,6 +333,7 @@ impl LevelFigures {
             patches: WorstPatches {
                 angle: seen.worse_patch(pair, PatchQuantity::Angle)?,
                 color: seen.worse_patch(pair, PatchQuantity::Color)?,
+                material: seen.worse_patch(pair, PatchQuantity::Material)?,
             },
             worst_parts: WorstParts::of(pair, of_asset)?,
             beyond: Beyond::of([of_scan, of_asset], pair.diagonal, asked),

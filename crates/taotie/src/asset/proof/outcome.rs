@@ -201,6 +201,8 @@ impl Requirement {
             Figure::MeanColor => color.map(Value::mean),
             Figure::P95Color => color.map(Value::p95),
             Figure::PatchColor => patch(&level.patches.color).filter(|_| is_finite),
+            Figure::MeanMaterial => level.overview.material.as_ref().filter(|_| is_finite).map(Value::mean),
+            Figure::PatchMaterial => patch(&level.patches.material).filter(|_| is_finite),
             Figure::SurfaceMeanAngle => exactly(surface.map(|summary| summary.mean)),
             Figure::SurfaceP95Angle => exactly(surface.map(|summary| summary.p95)),
             Figure::SurfaceMaxAngle => exactly(surface.map(|summary| summary.max)),

@@ -350,8 +350,12 @@ impl MeasuredPatch {
     /// Those of [`PatchView::differences`].
     pub fn all(patches: &WorstPatches, level: &ShownLevel<'_>, side: u32) -> Result<Vec<Self>> {
         let scan = level.scan();
-        let both = [(patches.angle, PatchQuantity::Angle), (patches.color, PatchQuantity::Color)];
-        let wanted = both.into_iter().filter(|_| side > 0);
+        let all = [
+            (patches.angle, PatchQuantity::Angle),
+            (patches.color, PatchQuantity::Color),
+            (patches.material, PatchQuantity::Material),
+        ];
+        let wanted = all.into_iter().filter(|_| side > 0);
         let measured = |(patch, of): (Option<Patch>, PatchQuantity)| {
             let patch = patch?;
             let view = PatchView::of(patch.window(), scan.mesh().diagonal());

@@ -16,24 +16,20 @@ const MISSING: f64 = 0.01;
 
 /// The lower bound of limits, so that they can be divisors.
 const LEAST: f64 = 1e-6;
-/// The figures that limit angles, and those that limit colours.
+/// The figures that limit angles, those that limit colours, and those that limit metallic, roughness and occlusion.
 const ANGLES: [Figure; 4] = [Figure::MeanAngle, Figure::P95Angle, Figure::PatchAngle, Figure::WithinAngle];
 const COLORS: [Figure; 4] = [Figure::MeanColor, Figure::P95Color, Figure::PatchColor, Figure::WithinColor];
-/// The maximum factors on the visually lossless limits of colours, and of other numbers, if none are requested.
+const MATERIALS: [Figure; 2] = [Figure::MeanMaterial, Figure::PatchMaterial];
+/// The maximum factors on the visually lossless limits of colours, and of materials, if none are requested.
 const MOST_FACTORS: [f64; 2] = [2.0, 4.0];
-/// Limits of roughness, metallic and the like, as fractions of the largest number.
-const NUMBERS: [Limit; 2] = [
-    Limit { statistic: Statistic::Mean, most: 0.02 },
-    Limit { statistic: Statistic::Worst(PATCH_SHARE), most: 0.12 },
-];
 
 /// The maximum differences of a candidate.
 #[derive(Debug, Clone)]
 pub(super) struct Goal {
     angles: Vec<Limit>,
     colors: Vec<Limit>,
-    /// Of roughness, metallic and the like.
-    numbers: Vec<Limit>,
+    /// Of metallic, roughness and occlusion, as fractions of the largest number.
+    materials: Vec<Limit>,
     /// The maximum share of the scan's pixels in which an asset lacks it.
     missing: f64,
     /// The factor on limits of shape, at most 1.
@@ -80,7 +76,7 @@ pub(super) enum Statistic {
 impl Goal {
     /// Creates the goal from the requirements that pixels decide. If there are none for angles, those of
     /// [`Requirement::visually_lossless`] apply. The same holds for colours, but if normals may be further off, so
-    /// may colours: up to twice. Requirements for only the level with this number override those for all.
+    /// may colours, up to twice, and materials, up to four times. Requirements for only the level with this number override those for all.
     pub fn of(requirements: &[Requirement], level: usize) -> Self {
         let lossless = Requirement::visually_lossless();
         let of = |from: &[Requirement], figures: &[Figure]| -> Vec<Limit> {
@@ -101,7 +97,7 @@ impl Goal {
         };
         let angles = required(&ANGLES, 1.0);
         let factor = (least_mean(&angles) / least_mean(&of(&lossless, &ANGLES))).max(1.0);
-        let [colors, numbers] = MOST_FACTORS.map(|most| factor.min(most));
+        let [colors, materials] = MOST_FACTORS.map(|most| factor.min(most));
         let missed = requirements.iter().filter(|required| required.figure == Figure::Missed);
         // Coarser levels are never seen close up, where the proof judges it, unless a requirement names them.
         let is_judged = |required: &&Requirement| match required.level {
@@ -113,7 +109,7 @@ impl Goal {
         Self {
             angles,
             colors: required(&COLORS, colors),
-            numbers: times(&NUMBERS, numbers),
+            materials: required(&MATERIALS, materials),
             missing,
             shape: 1.0,
         }
@@ -136,28 +132,28 @@ impl Goal {
 
     /// Returns the goal with all limits of differences multiplied by `factor`; those of shape only if that is stricter.
     pub fn times(&self, factor: f64) -> Self {
-        let [angles, colors, numbers] =
-            [&self.angles, &self.colors, &self.numbers].map(|limits| times(limits, factor));
+        let [angles, colors, materials] =
+            [&self.angles, &self.colors, &self.materials].map(|limits| times(limits, factor));
         let shape = factor.min(1.0);
-        Self { angles, colors, numbers, missing: self.missing * shape, shape }
+        Self { angles, colors, materials, missing: self.missing * shape, shape }
     }
 
     /// Returns the largest ratios of differences, in ascending order, to the limits of angles and of materials; `None`
     /// for materials that are not compared. The first is also at least the ratio of what is missing to its limit, and
-    /// infinite without angles to compare. `patches` are the means in the worst patches of angles and colours, if known;
-    /// otherwise the worst pixels count, wherever they are. Of metallic and roughness only the mean counts.
-    pub fn ratios(&self, seen: &PixelDifferences, patches: [Option<f64>; 2]) -> (f64, Option<f64>) {
+    /// infinite without angles to compare. `patches` are the means in the worst patches of angles, colours and materials, if
+    /// known; otherwise the worst pixels count, wherever they are.
+    pub fn ratios(&self, seen: &PixelDifferences, patches: [Option<f64>; 3]) -> (f64, Option<f64>) {
         let color = (!seen.colors.is_empty()).then(|| {
-            let numbers = worst(&self.numbers, &seen.numbers, Some(0.0));
-            worst(&self.colors, &seen.colors, patches[1]).max(numbers)
+            let materials = worst(&self.materials, &seen.materials, patches[2]);
+            worst(&self.colors, &seen.colors, patches[1]).max(materials)
         });
         (worst(&self.angles, &seen.angles, patches[0]).max(seen.missing / self.missing), color)
     }
 
-    /// Returns `true` if it limits the worst patch, of angles and of colours.
-    pub fn limits_patches(&self) -> [bool; 2] {
+    /// Returns `true` if it limits the worst patch, of angles, of colours and of materials.
+    pub fn limits_patches(&self) -> [bool; 3] {
         let is_patch = |limit: &Limit| matches!(limit.statistic, Statistic::Worst(_));
-        [&self.angles, &self.colors].map(|limits| limits.iter().any(is_patch))
+        [&self.angles, &self.colors, &self.materials].map(|limits| limits.iter().any(is_patch))
     }
 
     /// Returns the largest ratio of an image's visible differences, in ascending order, to their limit; infinite if
@@ -166,7 +162,7 @@ impl Goal {
         let limits: &[Limit] = match encoding {
             Encoding::Normal => &self.angles,
             Encoding::Srgb => &self.colors,
-            Encoding::Linear => &self.numbers,
+            Encoding::Linear => &self.materials,
         };
         worst(limits, differences, None)
     }
@@ -182,9 +178,11 @@ impl Limit {
     fn of(required: &Requirement) -> Option<Self> {
         let most = required.most;
         let (statistic, most) = match required.figure {
-            Figure::MeanAngle | Figure::MeanColor => (Statistic::Mean, most),
+            Figure::MeanAngle | Figure::MeanColor | Figure::MeanMaterial => (Statistic::Mean, most),
             Figure::P95Angle | Figure::P95Color => (Statistic::Quantile(0.95), most),
-            Figure::PatchAngle | Figure::PatchColor => (Statistic::Worst(PATCH_SHARE), most),
+            Figure::PatchAngle | Figure::PatchColor | Figure::PatchMaterial => {
+                (Statistic::Worst(PATCH_SHARE), most)
+            }
             Figure::WithinAngle | Figure::WithinColor => (Statistic::Quantile(most), required.within?),
             _ => return None,
         };

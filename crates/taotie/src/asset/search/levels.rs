@@ -397,7 +397,7 @@ impl<'a> LevelMaker<'a> {
         let (origin, material) = (low.origin.clone(), low.material.clone());
         let groups = low.groups.as_ref().map(|groups| Arc::new(groups.carried_over(&low.mesh, &mesh)));
         let (kept, ray_factors) = (KeptTextures::default(), Vec::new());
-        let level = LowPoly { mesh, origin, material, kept, own: None, groups, ray_factors };
+        let level = LowPoly { mesh, origin, material, kept, own: None, groups, ray_factors, cage: None };
         let options = BakeOptions { maps: vec![MapKind::Normal], ..self.recipe.options.clone() };
         let length = match self.recipe.rays.length {
             RayLength::Uniform(distance) => RayLength::Uniform(distance),
