@@ -1,6 +1,6 @@
 //! The directions and distances used to search for the high-poly surface.
 
-use super::projection::{Among, Correspondence, ProjectionRay, Target};
+use super::projection::{Among, Correspondence, Floating, ProjectionRay, Target};
 use super::scan::Scan;
 use super::skew::{Evidence, Skew};
 use super::texel_surface::UvIndex;
@@ -11,6 +11,7 @@ use crate::mesh::{Mesh, Point, blend, each, sample_area, triangle_weights};
 use crate::parallel;
 use crate::surface;
 use crate::trace::Bvh;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// The search direction for the scan at each vertex of a low-poly mesh, and the ray distance.
@@ -31,6 +32,8 @@ pub struct Cage {
     skew: Skew,
     /// The scan's triangles by their uvs, if points of the same uv correspond; `None` if the rays find them.
     uvs: Option<Arc<UvIndex>>,
+    /// Finds what floats above the mesh; `None` for nothing.
+    floating: Option<Arc<Floating>>,
 }
 
 /// The objects of a scan that each triangle of a low-poly mesh shows: those of the same group.
@@ -52,6 +55,21 @@ impl CageGroups {
     pub fn of_triangles(&self, which: &[usize]) -> Self {
         let of_triangle = which.iter().map(|t| self.of_triangle.get(*t).copied().flatten()).collect();
         Self { of_triangle, of_object: Arc::clone(&self.of_object) }
+    }
+
+    /// Returns those of several meshes as one, given with their numbers of triangles; `None` if none has any.
+    pub fn joined<'g>(all: impl IntoIterator<Item = (Option<&'g Arc<Self>>, usize)>) -> Option<Self> {
+        let (mut of_triangle, mut of_object) = (Vec::new(), None);
+        for (groups, triangles) in all {
+            match groups {
+                Some(groups) => {
+                    of_triangle.extend_from_slice(&groups.of_triangle);
+                    of_object.get_or_insert_with(|| Arc::clone(&groups.of_object));
+                }
+                None => of_triangle.extend(std::iter::repeat_n(None, triangles)),
+            }
+        }
+        Some(Self { of_triangle, of_object: of_object? })
     }
 
     /// Returns those for a copy of their mesh with other triangles: each has the group of the closest one.
@@ -85,7 +103,7 @@ const FALLBACK: f32 = 4.0;
 impl Cage {
     fn new(directions: Vec<Vec3>, distances: Vec<f32>) -> Self {
         let longest = distances.iter().fold(0.0, |most: f32, v| most.max(*v));
-        Self { directions, distances, longest, groups: None, skew: Skew::Kept, uvs: None }
+        Self { directions, distances, longest, groups: None, skew: Skew::Kept, uvs: None, floating: None }
     }
 
     /// Makes each triangle show only the objects of its group.
@@ -98,6 +116,29 @@ impl Cage {
     #[must_use]
     pub fn with_uvs(self, uvs: Option<Arc<UvIndex>>) -> Self {
         Self { uvs, ..self }
+    }
+
+    /// Makes the rays find what floats above the mesh.
+    #[must_use]
+    pub fn with_floating(self, floating: Option<Arc<Floating>>) -> Self {
+        Self { floating, ..self }
+    }
+
+    /// Returns the distance above a mesh up to which [`Cage::automatic`] measures gaps, in model units.
+    pub fn reach(low: &Mesh) -> f32 {
+        (low.diagonal() * NEAR) as f32
+    }
+
+    /// Returns the cage of a part of its mesh: some of the vertices, and the triangles between them.
+    #[must_use]
+    pub fn part(&self, (vertices, triangles): (Range<usize>, Range<usize>)) -> Self {
+        let (directions, distances) =
+            (self.directions[vertices.clone()].to_vec(), self.distances[vertices].to_vec());
+        let part = Self::new(directions, distances);
+        let which: Vec<usize> = triangles.clone().collect();
+        let groups = self.groups.as_ref().map(|groups| Arc::new(groups.of_triangles(&which)));
+        let (uvs, floating) = (self.uvs.clone(), self.floating.clone());
+        Self { groups, skew: self.skew.beginning_at(triangles.start), uvs, floating, ..part }
     }
 
     /// Returns `true` if points of the same uv correspond.
@@ -220,6 +261,7 @@ impl Cage {
             direction: self.skew.turned(low, point, blended),
             distance: blend(each(vertices, |v| self.distances[v]), point.weights),
             among: self.groups.as_ref().and_then(|groups| groups.among(point.triangle)),
+            floating: self.floating.as_deref(),
             target: by_uv.map_or(Target::OnRay, |uvs| Target::SameUv(uvs.closest(point.uv(low, 0), start))),
         }
     }
@@ -244,7 +286,8 @@ impl Cage {
         let lines = parallel::collect(copy.positions().len(), |v| at(v).unwrap_or_default());
         let (directions, distances) = lines.into_iter().unzip();
         let groups = self.groups.as_ref().map(|groups| Arc::new(groups.carried_over(own, copy)));
-        Self::new(directions, distances).with_groups(groups).with_uvs(self.uvs.clone())
+        let copy = Self::new(directions, distances).with_groups(groups);
+        copy.with_uvs(self.uvs.clone()).with_floating(self.floating.clone())
     }
 }
 
@@ -373,6 +416,7 @@ impl GapSearch<'_> {
             direction: blend(directions, at.weights).normalize_or(self.directions[0]),
             distance: (self.diagonal * NEAR) as f32,
             among: self.groups.and_then(|groups| groups.among(at.triangle)),
+            floating: None,
             target: Target::OnRay,
         }
     }

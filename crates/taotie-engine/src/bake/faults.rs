@@ -107,6 +107,18 @@ const POINTS: usize = 4_096;
 /// Number of points examined per batch: nearly all visible shells are seen at one of the first.
 const BATCH: usize = 64;
 
+/// Returns a label for each triangle, the same for those that are connected at shared positions.
+pub(super) fn shell_labels(mesh: &Mesh) -> Vec<u32> {
+    let places = surface::by_position(mesh.positions());
+    let mut sets = DisjointSets::new(places.firsts.len());
+    for [a, b, c] in mesh.triangles().iter().map(|t| t.map(|v| places.of[v as usize])) {
+        sets.join(a, b);
+        sets.join(b, c);
+    }
+    let lowest = sets.into_lowest();
+    mesh.triangles().iter().map(|[v, ..]| lowest[places.of[*v as usize] as usize]).collect()
+}
+
 /// The connected parts of a surface, joined at shared positions, that are large enough to examine.
 #[derive(Debug)]
 pub struct Shells {
@@ -119,15 +131,9 @@ pub struct Shells {
 impl Shells {
     /// Finds the parts of a mesh; `None` unless there are at least two, since at least one is visible.
     pub fn of(mesh: &Mesh) -> Option<Self> {
-        let places = surface::by_position(mesh.positions());
-        let mut sets = DisjointSets::new(places.firsts.len());
-        for [a, b, c] in mesh.triangles().iter().map(|t| t.map(|v| places.of[v as usize])) {
-            sets.join(a, b);
-            sets.join(b, c);
-        }
-        let lowest = sets.into_lowest();
-        let label = |t: usize| lowest[places.of[mesh.triangles()[t][0] as usize] as usize] as usize;
-        let mut areas = vec![0.0; lowest.len()];
+        let labels = shell_labels(mesh);
+        let label = |t: usize| labels[t] as usize;
+        let mut areas = vec![0.0; labels.iter().max().map_or(0, |most| *most as usize + 1)];
         (0..mesh.triangles().len()).for_each(|t| areas[label(t)] += doubled_area(mesh, t));
         let all: f64 = areas.iter().sum();
         let large: Vec<usize> = (0..areas.len()).filter(|l| areas[*l] > all * LEAST_SHARE).collect();

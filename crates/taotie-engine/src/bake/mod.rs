@@ -36,7 +36,7 @@ pub use faults::{Faults, Shells};
 pub use fit::{Astray, Fit, uncovered};
 pub use fit_normals::fit_normals;
 pub use maps::{BakeCounts, Baked, BakedMaps, MapContent, MapKind, Maps, Plane, SetSizes, TexelStatus};
-pub use projection::{Among, Correspondence, MatchRule, ProjectionRay, Target};
+pub use projection::{Among, Correspondence, Floating, MatchRule, ProjectionRay, Target};
 pub use remesh::{REMESH_BYTES, Remesh, Remeshed, remesh};
 pub(crate) use scan::Retextured;
 pub use scan::{CastRay, Open, RayCaster, RayDevice, Scan, SkyPoint, SkyRays, Visibility, bytes_on_device};

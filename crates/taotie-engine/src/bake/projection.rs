@@ -6,9 +6,10 @@ use super::scan::{CastRay, RayCaster, Scan};
 use super::texture_lookup::{LookupPoint, MappedNormal};
 use crate::error::Result;
 use crate::math::Vec3;
-use crate::mesh::{Point, blend};
+use crate::mesh::{Mesh, Point, blend};
 use crate::names::Named;
-use crate::trace::{Hit, Nearest, PacketView, Ray, RayInterval, RayPacket};
+use crate::trace::{Bvh, Hit, Nearest, PacketView, Ray, RayInterval, RayPacket};
+use std::fmt;
 
 /// A correspondence: the point of the high-poly surface onto which a point of the low-poly mesh is projected.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,7 +23,7 @@ pub struct Correspondence {
 }
 
 /// A ray through a point of the low-poly mesh along which its correspondence is searched.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy)]
 pub struct ProjectionRay<'a> {
     /// A point of the low-poly surface, world space.
     pub point: Vec3,
@@ -32,6 +33,8 @@ pub struct ProjectionRay<'a> {
     pub distance: f32,
     /// The objects of the scan on which its correspondence may be; `None` for all.
     pub among: Option<Among<'a>>,
+    /// Finds parts of the scan that float above the low-poly surface; `None` for none.
+    pub floating: Option<&'a Floating>,
     /// Where its correspondence is.
     pub target: Target,
 }
@@ -76,6 +79,38 @@ pub enum Target {
     OnRay,
     /// The point of the scan with the same uv; `None` if it has none there.
     SameUv(Option<Point>),
+}
+
+/// Finds parts of a scan that float above a low-poly surface, such as bolts: shells of their own, close above another
+/// one, that the low-poly mesh lacks.
+pub struct Floating {
+    low: Bvh,
+    /// The height up to which they are found beyond a projection ray, in model units.
+    reach: f32,
+}
+
+impl fmt::Debug for Floating {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Floating").field("reach", &self.reach).finish_non_exhaustive()
+    }
+}
+
+impl Floating {
+    /// Finds what floats above a low-poly mesh, within the projection rays and up to the height `reach`, in model units.
+    pub fn above(low: &Mesh, reach: f32) -> Self {
+        Self { low: Bvh::of(low.triangles().len(), |t| low.corners(t)), reach }
+    }
+
+    /// Returns `true` if the low-poly mesh has a surface of its own between its point on a projection ray and a height
+    /// above it, or slightly higher.
+    fn is_modelled(&self, projection: &ProjectionRay<'_>, height: f32) -> bool {
+        /// The start of the search, as a fraction of the height: the surface itself does not count.
+        const START: f32 = 1e-2;
+        let end = height * 1.25 + projection.distance * 0.5;
+        let start = height * START;
+        let ray = Ray::new(projection.point + projection.direction * start, projection.direction);
+        self.low.occluded(&ray, end - start, |_| true)
+    }
 }
 
 /// The objects of a group.
@@ -160,7 +195,30 @@ impl Scan {
                 self.bvh().nearest_to(&ray, interval, facing).best().unwrap_or((hit, normal))
             }
         };
-        Some(projection.found(&found.0, found.1))
+        let found = projection.found(&found.0, found.1);
+        Some(self.floating_above(projection, &found).unwrap_or(found))
+    }
+
+    /// Returns the outermost visible point on a projection ray that floats above a correspondence.
+    fn floating_above(
+        &self,
+        projection: &ProjectionRay<'_>,
+        found: &Correspondence,
+    ) -> Option<Correspondence> {
+        let floating = projection.floating?;
+        let (ray, _) = projection.ray();
+        let from = (found.height + projection.distance).next_up();
+        let to = projection.distance + projection.distance.max(floating.reach);
+        if from >= to {
+            return None;
+        }
+        let is_apart = |hit: &Hit| self.are_apart(hit.triangle, found.point.triangle);
+        let outer = |hit: &Hit| self.facing(hit, projection).filter(|_| is_apart(hit));
+        let (hit, normal) =
+            self.bvh().nearest_to(&ray, RayInterval { from, center: to, to }, outer).best()?;
+        let outermost = projection.found(&hit, normal);
+        let counts = projection.among.is_some() || self.is_visible(hit.point(), projection.direction);
+        (counts && !floating.is_modelled(projection, outermost.height)).then_some(outermost)
     }
 
     /// Returns the normal of a correspondence with the relief of the scan's normal and height maps, sampled at the
@@ -372,6 +430,7 @@ mod tests {
             direction,
             distance,
             among: None,
+            floating: None,
             target: Target::OnRay,
         };
         let at = |z: f32, distance: f32| scan.project(&projection(z, up, distance));
@@ -418,6 +477,7 @@ mod tests {
                 direction,
                 distance: 0.0,
                 among: None,
+                floating: None,
                 target: Target::OnRay,
             };
             scan.closest(&projection, most)
@@ -426,6 +486,55 @@ mod tests {
         assert!((found.height + 0.1f32.hypot(0.3)).abs() < 1e-6 && (found.normal - up).length() < 1e-6);
         assert!(closest(-up, 1.0).is_none());
         assert!(closest(up, 0.1).is_none());
+    }
+
+    /// Returns a plate whose middle a smaller one covers: `apart` or connected by walls.
+    fn plate(apart: bool) -> Scan {
+        let square = |half: f32, z: f32| {
+            [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
+                .map(|[x, y]: [f32; 2]| Vec3::new(x * half, y * half, z))
+        };
+        let positions = [square(1.0, 0.0), square(0.2, 0.01)].concat();
+        let mut triangles = vec![[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
+        if !apart {
+            triangles.extend(
+                (0..4).flat_map(|i| [[i, (i + 1) % 4, 4 + i], [(i + 1) % 4, 4 + (i + 1) % 4, 4 + i]]),
+            );
+        }
+        let mesh = Mesh::new(MeshData { positions, triangles, ..MeshData::default() }).unwrap();
+        Scan::new(Scene::of_mesh(mesh, Material::default()).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn what_floats_above_the_low_poly_mesh_is_found() {
+        let plate_of = |z: f32| {
+            let corner = |x: f32, y: f32| Vec3::new(x, y, z);
+            let positions = vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
+            let triangles = vec![[0, 1, 2], [0, 2, 3]];
+            Mesh::new(MeshData { positions, triangles, ..MeshData::default() }).unwrap()
+        };
+        let (below, above) = (plate_of(0.0), plate_of(0.01));
+        let both = Mesh::joined([&below, &above]).unwrap();
+        let height = |scan: &Scan, floating: Option<&Floating>, (x, distance): (f32, f32)| {
+            let (point, direction) = (Vec3::new(x, 0.05, 0.0), Vec3::new(0.0, 0.0, 1.0));
+            let ray =
+                ProjectionRay { point, direction, distance, among: None, floating, target: Target::OnRay };
+            scan.project(&ray).unwrap().height
+        };
+        let scan = plate(true);
+        let is_near = |a: f32, b: f32| assert!((a - b).abs() < 1e-6, "{a} instead of {b}");
+        let far = Floating::above(&below, 0.02);
+        is_near(height(&scan, Some(&far), (0.05, 0.001)), 0.01);
+        is_near(height(&scan, Some(&far), (0.5, 0.001)), 0.0);
+        is_near(height(&scan, None, (0.05, 0.001)), 0.0);
+        // A ray that is long enough finds it, a shorter one does not.
+        let within = Floating::above(&below, 0.0);
+        is_near(height(&scan, Some(&within), (0.05, 0.02)), 0.01);
+        is_near(height(&scan, Some(&within), (0.05, 0.009)), 0.0);
+        // The low-poly mesh has it itself.
+        is_near(height(&scan, Some(&Floating::above(&both, 0.02)), (0.05, 0.001)), 0.0);
+        // A step of the same surface does not float.
+        is_near(height(&plate(false), Some(&far), (0.05, 0.001)), 0.0);
     }
 
     /// Returns a sphere with bumps as fine as its triangles, and a smaller one inside that also faces outward.

@@ -2,6 +2,7 @@
 //! the CPU that cast rays at it.
 
 use super::appearance::{Appearance, MaterialSample};
+use super::faults::shell_labels;
 use super::sights::{Ground, SeenCells, SightLine, Sights};
 use super::texture_lookup::LookupPoint;
 use super::textured_mesh::TexturedMesh;
@@ -24,6 +25,8 @@ pub struct Scan {
     sights: Sights,
     /// Which sides of its triangles can be seen, as far as queried so far.
     seen: OnceLock<SeenCells>,
+    /// The label of each triangle's shell, once a projection asks for it.
+    shells: OnceLock<Vec<u32>>,
     /// The object of each part; parts beyond its end are separate objects.
     objects: Arc<[u32]>,
     /// The device that casts the rays of bakes; `None` for the CPU.
@@ -163,8 +166,8 @@ impl Scan {
         let mesh = surface.mesh();
         let bvh = Bvh::of(mesh.triangles().len(), |t| mesh.corners(t));
         let sights = sights(Ground { surface: &surface, bvh: &bvh });
-        let (seen, caster) = (OnceLock::new(), OnceLock::new());
-        Self { surface, bvh, sights, seen, objects: Arc::default(), device: None, caster }
+        let (seen, shells, caster) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
+        Self { surface, bvh, sights, seen, shells, objects: Arc::default(), device: None, caster }
     }
 
     /// Returns the scan with a device that casts the rays of its bakes.
@@ -245,6 +248,12 @@ impl Scan {
         let is_front = self.mesh().faces(point.triangle, direction);
         let look = |point: Point, normal: Vec3| self.sights.is_side_visible(self.ground(), point, normal);
         seen.is_seen(self.mesh(), (point, is_front), look)
+    }
+
+    /// Returns `true` if two triangles are not connected.
+    pub(super) fn are_apart(&self, a: u32, b: u32) -> bool {
+        let shells = self.shells.get_or_init(|| shell_labels(self.mesh()));
+        shells[a as usize] != shells[b as usize]
     }
 
     /// Returns the triangles, world space, with normals.

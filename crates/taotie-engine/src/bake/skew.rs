@@ -49,8 +49,8 @@ pub(super) enum Skew {
     /// Nowhere: relief may be shifted near edges.
     #[default]
     Kept,
-    /// On flat faces.
-    Faces(Arc<FlatFaces>),
+    /// On flat faces, of a part of their mesh that begins at this triangle.
+    Faces(Arc<FlatFaces>, usize),
     /// By a mask on the mesh's uvs: its red channel is the fraction of the turn, linear.
     Mask(Arc<Texture>),
 }
@@ -92,7 +92,7 @@ impl Skew {
     pub fn turned(&self, low: &Mesh, point: Point, direction: Vec3) -> Vec3 {
         match self {
             Self::Kept => direction,
-            Self::Faces(faces) => faces.turned(low, point, direction),
+            Self::Faces(faces, first) => faces.turned(low, (point, *first), direction),
             Self::Mask(mask) => {
                 let normal = facet_normal(low.corners(point.triangle as usize)).unwrap_or(direction);
                 toward(direction, normal, Sampler::default().sample(mask, point.uv(low, 0), 0.0)[0])
@@ -125,7 +125,15 @@ impl Skew {
         borders.retain(|(face, _)| groups.of(*face).len() > FEW);
         let of_many = borders.iter().map(|(face, _)| *face as u32).collect();
         let many = Bvh::of(borders.len(), |i| as_triangle(borders[i].1));
-        Self::Faces(Arc::new(FlatFaces { of_triangle, faces, borders: groups, many, of_many }))
+        Self::Faces(Arc::new(FlatFaces { of_triangle, faces, borders: groups, many, of_many }), 0)
+    }
+
+    /// Returns the same for a part of the mesh that begins at this triangle.
+    pub fn beginning_at(&self, first: usize) -> Self {
+        match self {
+            Self::Faces(faces, before) => Self::Faces(Arc::clone(faces), before + first),
+            other => other.clone(),
+        }
     }
 }
 
@@ -140,8 +148,8 @@ impl fmt::Debug for FlatFaces {
 impl FlatFaces {
     /// Returns the direction at a point of a mesh, turned from `direction` by a fraction that is 0 at a border of the
     /// face and 1 beyond the band.
-    fn turned(&self, low: &Mesh, point: Point, direction: Vec3) -> Vec3 {
-        let own = self.of_triangle.get(point.triangle as usize);
+    fn turned(&self, low: &Mesh, (point, first): (Point, usize), direction: Vec3) -> Vec3 {
+        let own = self.of_triangle.get(first + point.triangle as usize);
         let Some((own, face)) = own.and_then(|own| Some((*own, self.faces[*own as usize]?))) else {
             return direction;
         };

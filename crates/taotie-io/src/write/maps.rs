@@ -7,7 +7,9 @@ use std::path::Path;
 use taotie_engine::error::{Error, Result};
 use taotie_engine::image::{Bitmap, Encoding, Texels};
 use taotie_engine::names::Named;
-use tiff::encoder::{Compression, DeflateLevel, Predictor, TiffEncoder};
+use tiff::encoder::colortype::ColorType;
+use tiff::encoder::{Compression, DeflateLevel, Predictor, TiffEncoder, TiffValue};
+use tiff::tags::{ExtraSamples, Tag};
 
 /// A file format of maps without a model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -87,10 +89,28 @@ pub fn encode_tiff_floats((width, height): (u32, u32), channels: u8, samples: &[
     let encoded = encoder.and_then(|mut encoder| match channels {
         1 => encoder.write_image::<Gray32Float>(width, height, samples),
         3 => encoder.write_image::<RGB32Float>(width, height, samples),
-        _ => encoder.write_image::<RGBA32Float>(width, height, samples),
+        _ => write_rgba::<RGBA32Float>(&mut encoder, [width, height], samples),
     });
     encoded.map_err(|error| Error::invalid("a TIFF", error.to_string()))?;
     Ok(bytes.into_inner())
+}
+
+/// The buffer of a TIFF file.
+type TiffBuffer<'a> = TiffEncoder<&'a mut std::io::Cursor<Vec<u8>>>;
+
+/// Writes an image whose fourth channel is alpha with which colours are not premultiplied: without that tag, readers
+/// take it for premultiplied, or for no alpha.
+fn write_rgba<C: ColorType>(
+    encoder: &mut TiffBuffer<'_>,
+    [width, height]: [u32; 2],
+    samples: &[C::Inner],
+) -> tiff::TiffResult<()>
+where
+    [C::Inner]: TiffValue,
+{
+    let mut image = encoder.new_image::<C>(width, height)?;
+    image.encoder().write_tag(Tag::ExtraSamples, &[ExtraSamples::UnassociatedAlpha][..])?;
+    image.write_data(samples)
 }
 
 /// The compression of TIFF files.
@@ -119,10 +139,14 @@ fn tiff(image: &PngImage) -> Result<Vec<u8>> {
     let encoded = encoder.and_then(|mut encoder| match (image.samples, image.color) {
         (PngSamples::U8(samples), PngColor::Grey) => encoder.write_image::<Gray8>(width, height, samples),
         (PngSamples::U8(samples), PngColor::Rgb) => encoder.write_image::<RGB8>(width, height, samples),
-        (PngSamples::U8(samples), PngColor::Rgba) => encoder.write_image::<RGBA8>(width, height, samples),
+        (PngSamples::U8(samples), PngColor::Rgba) => {
+            write_rgba::<RGBA8>(&mut encoder, [width, height], samples)
+        }
         (PngSamples::U16(samples), PngColor::Grey) => encoder.write_image::<Gray16>(width, height, samples),
         (PngSamples::U16(samples), PngColor::Rgb) => encoder.write_image::<RGB16>(width, height, samples),
-        (PngSamples::U16(samples), PngColor::Rgba) => encoder.write_image::<RGBA16>(width, height, samples),
+        (PngSamples::U16(samples), PngColor::Rgba) => {
+            write_rgba::<RGBA16>(&mut encoder, [width, height], samples)
+        }
     });
     encoded.map_err(|error| Error::invalid("a TIFF", error.to_string()))?;
     Ok(bytes.into_inner())
@@ -131,6 +155,16 @@ fn tiff(image: &PngImage) -> Result<Vec<u8>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn alpha_of_tiff_is_not_premultiplied() {
+        let bitmap = Bitmap::new(1, 1, 4, Texels::U8(vec![[9, 8, 7, 6]])).unwrap();
+        let by_codes = encode_map(&bitmap, Encoding::Linear, MapFormat::Tiff).unwrap();
+        for bytes in [by_codes, encode_tiff_floats((1, 1), 4, &[0.1, 0.2, 0.3, 0.4]).unwrap()] {
+            let mut decoder = tiff::decoder::Decoder::new(std::io::Cursor::new(bytes)).unwrap();
+            assert_eq!(decoder.get_tag_u16_vec(Tag::ExtraSamples).unwrap(), [2]);
+        }
+    }
 
     /// Rows of equal texels, whose run lengths would continue in the next row.
     #[test]

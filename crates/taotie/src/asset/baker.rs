@@ -7,7 +7,7 @@ use super::bake::{
 };
 use super::search::{Finest, Level, PackedAsset, Smallest, make_levels, smallest};
 use super::source::{
-    Base, Document, GivenMesh, Inputs, LowPoly, MadeFrom, Pair, Relief, Scan, ScanSize, low_poly,
+    Base, Document, GivenMesh, Inputs, LowPoly, MadeFrom, Pair, Rays, Relief, Scan, ScanSize, low_poly,
     warnings_of_packed_scan,
 };
 use super::write::possible_files;
@@ -184,7 +184,7 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
     warnings.absorb(of_inputs);
     let materials = given.as_ref().map_or(1, |given| given.set_count(asked.udim));
     MemoryEstimate { materials, ..need_of(asked, scan) }.check(limits)?;
-    let looks = given.as_ref().map_or_else(Vec::new, GivenMesh::looks);
+    let looks = given.as_ref().map_or_else(Vec::new, |given| given.looks(asked));
     if asked.size == BakeOptions::AUTO_SIZE {
         side_shortfall(about.size.detail_side).into_iter().for_each(|what| warnings.note(what, 1));
     }
@@ -349,6 +349,7 @@ fn lightened(
             vec![low]
         }
     };
+    let lows = share_cage(recipe.rays, scan, lows, progress)?;
     let sizes = set_sizes(options, &lows, warnings)?;
     let part = |(low, size): (LowPoly, [u32; 2])| -> Result<Part> {
         let baked = bake_maps(recipe, size, Pair { scan, low: &low }, progress);
@@ -359,6 +360,22 @@ fn lightened(
     let size = sizes.iter().copied().max_by_key(|[width, height]| width * height).unwrap_or_default();
     let parts = lows.into_iter().zip(sizes).map(part).collect::<Result<Vec<_>>>()?;
     Ok(Lightened { parts, size, trials: Vec::new(), rounding: None, packed: None })
+}
+
+/// Gives each of several low-poly meshes its part of the cage of all of them.
+fn share_cage(
+    rays: &Rays,
+    scan: &Scan,
+    mut lows: Vec<LowPoly>,
+    progress: Progress<'_>,
+) -> Result<Vec<LowPoly>> {
+    if lows.len() > 1 {
+        scan.sort(progress)?;
+        progress.begin("measure the gap")?;
+        let cages = rays.cages(scan, &lows.iter().collect::<Vec<_>>())?;
+        lows.iter_mut().zip(cages).for_each(|(low, cage)| low.cage = Some(cage));
+    }
+    Ok(lows)
 }
 
 /// Returns the result of a search.

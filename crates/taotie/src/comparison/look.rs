@@ -191,8 +191,14 @@ impl Matching {
                     let [x, y, z, _] = smooth.normals.pixel(at[0], at[1]);
                     let point = smooth.camera.point_at(at, depth.into(), size).to_f32();
                     let direction = Vec3::new(x, y, z);
-                    let projection =
-                        ProjectionRay { point, direction, distance, among: None, target: Target::OnRay };
+                    let projection = ProjectionRay {
+                        point,
+                        direction,
+                        distance,
+                        among: None,
+                        floating: None,
+                        target: Target::OnRay,
+                    };
                     scan.project(&projection).map(|found| scan.mapped_normal(&found, 0.0).normal)
                 })
             }

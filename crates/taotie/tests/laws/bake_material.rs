@@ -208,6 +208,7 @@ fn a_scan_without_maps_keeps_its_normals_to_the_bit() {
                 direction: from.normalize(),
                 distance: 0.0,
                 among: None,
+                floating: None,
                 target: Target::OnRay,
             },
             0.5,

@@ -24,6 +24,7 @@ mod bake_scan;
 mod coarse;
 mod figures;
 mod fooled;
+mod given_low;
 mod known_distances;
 mod levels;
 mod looks;

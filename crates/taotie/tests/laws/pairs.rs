@@ -87,6 +87,7 @@ pub fn joined(parts: impl IntoIterator<Item = MeshData>) -> MeshData {
     for part in parts {
         let first = all.positions.len() as u32;
         all.positions.extend(part.positions);
+        all.colors.extend(part.colors);
         all.triangles.extend(part.triangles.into_iter().map(|t| t.map(|v| v + first)));
     }
     all

@@ -87,7 +87,8 @@ fn rays_on_curved_surfaces_keep_their_directions() {
         let skewed = cage.clone().skewed();
         for triangle in 0..low.triangles().len() as u32 {
             let point = Point { triangle, weights: [0.2, 0.3, 0.5] };
-            assert_eq!(cage.projection_ray(&low, point), skewed.projection_ray(&low, point));
+            let [ray, other] = [&cage, &skewed].map(|cage| cage.projection_ray(&low, point));
+            assert_eq!((ray.direction, ray.distance), (other.direction, other.distance));
         }
     }
 }

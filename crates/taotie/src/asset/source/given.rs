@@ -1,11 +1,10 @@
 //! The inputs of a bake besides the scan, read before the work begins: the given low-poly mesh, with the kept parts
 //! of its material, and the cage.
 
-use super::low_file::{self, Document, Read, shown_materials};
+use super::low_file::{self, Document, Groups, Read, shown_materials};
 use super::low_material::{LowLook, Stripped, note_samplers};
 use super::low_poly::{
-    CageMesh, Groups, KeptMaterial, KeptTextures, LowPoly, Origin, RayLength, Rays, Skew, Tile, framed,
-    unwrapped,
+    CageMesh, KeptMaterial, KeptTextures, LowPoly, Origin, RayLength, Rays, Skew, Tile, framed, unwrapped,
 };
 use super::scan::Scan;
 use crate::asset::ask::{BakeOptions, MASK_NEEDS_UVS, MeshSource, NEEDS_UVS, RayDistance, SQUARE};
@@ -51,7 +50,7 @@ impl Inputs {
                 let reading = progress.begin("read the low-poly mesh")?;
                 let mut read = reader.read(source)?;
                 if options.new_uvs {
-                    read.without_uvs()?;
+                    read.without_uvs(options.ray_colors)?;
                 }
                 let groups = match options.matching.reads_names() {
                     true => Groups::matched([&read.objects, &scan.about.objects], &mut reader.warnings),
@@ -189,11 +188,11 @@ impl GivenMesh {
     }
 
     /// Returns the appearance of each material.
-    pub fn looks(&self) -> Vec<LowLook<'_>> {
+    pub fn looks(&self, options: &BakeOptions) -> Vec<LowLook<'_>> {
         let meshes = self.scene.meshes();
         let has_colors = |part: &GivenPart| {
             let mut own = self.scene.instances().iter().filter(|instance| part.shows(instance));
-            own.any(|instance| !meshes[instance.mesh].colors().is_empty())
+            !options.ray_colors && own.any(|instance| is_colored(&meshes[instance.mesh]))
         };
         let parts = self.parts.iter();
         parts.map(|part| LowLook { material: &part.material, has_colors: has_colors(part) }).collect()
@@ -417,7 +416,7 @@ impl GivenPart {
             let kept = KeptTextures::beside_roughness(&mut material, &scene, options, warnings);
             leave_alpha(&mut material, options, warnings);
             let mesh = bake::framed_low_poly_mesh(scene)?;
-            let drops_colors = !mesh.colors().is_empty() && options.bakes(&[MapKind::Albedo]);
+            let drops_colors = !mesh.colors().is_empty() && drops_colors(options);
             return Ok(Taken {
                 mesh,
                 material,
@@ -462,12 +461,24 @@ fn leave_alpha(material: &mut Material, options: &BakeOptions, warnings: &mut Wa
     }
 }
 
-/// Drops vertex colours that would be multiplied with the baked ones.
+/// Returns `true` if a mesh has vertex colours other than white, which programs write for unpainted meshes.
+fn is_colored(mesh: &Mesh) -> bool {
+    mesh.colors().iter().any(|color| *color != [1.0; 4])
+}
+
+/// Returns `true` if vertex colours are not those of the asset: baked ones replace them, or they are ray distances.
+fn drops_colors(options: &BakeOptions) -> bool {
+    options.ray_colors || options.bakes(&[MapKind::Albedo])
+}
+
+/// Drops vertex colours that are not those of the asset.
 fn uncolored(mesh: Mesh, options: &BakeOptions, warnings: &mut Warnings) -> Result<Mesh> {
-    if mesh.colors().is_empty() || !options.bakes(&[MapKind::Albedo]) {
+    if mesh.colors().is_empty() || !drops_colors(options) {
         return Ok(mesh);
     }
-    warnings.note("the low-poly mesh's vertex colours are left out: baked albedo replaces them", 1);
+    let is_lost = is_colored(&mesh) && !options.ray_colors;
+    let what = "the low-poly mesh's vertex colours are left out: baked albedo replaces them";
+    warnings.note(what, usize::from(is_lost));
     Mesh::new(MeshData { colors: Vec::new(), ..mesh.into_data() })
 }
 
@@ -502,7 +513,7 @@ impl LowPoly {
         let mesh = framed(&mesh, progress)?;
         let ray_factors = if options.ray_colors { ray_factors(&mesh)? } else { Vec::new() };
         let mesh = uncolored(mesh, options, warnings)?;
-        Ok(Self { mesh, origin, material, kept, own, groups, ray_factors })
+        Ok(Self { mesh, origin, material, kept, own, groups, ray_factors, cage: None })
     }
 }
 

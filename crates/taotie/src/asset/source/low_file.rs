@@ -1,5 +1,5 @@
 //! Model files given for a scan: read into its space, and kept as they are except for what is baked into their
-//! materials.
+//! materials; and the groups of objects that show each other: `wheel_low` shows only `wheel_high` of the scan.
 //!
 //! glTF and FBX are read in metres. If the scan is in another unit, they are converted to the scan's space on reading,
 //! and back in assets.
@@ -12,14 +12,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use taotie_engine::bake::MapKind;
+use taotie_engine::bake::{CageGroups, MapKind};
 use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::math::{Mat4, Vec3};
-use taotie_engine::mesh::{Mesh, MeshData};
+use taotie_engine::mesh::Mesh;
 use taotie_engine::names::Named;
 use taotie_engine::scene::{Material, NormalSpace, Scene};
 use taotie_engine::surface::with_normals;
-use taotie_io::{GltfFormat, GltfGraft, GltfSource, Limits, Objects};
+use taotie_io::{GltfFormat, GltfGraft, GltfSource, HIGH_MARK, LOW_MARK, Limits, Objects, name_before};
 
 /// The contents of a mesh file.
 pub(super) struct Read {
@@ -45,15 +45,22 @@ pub(super) struct Read {
 }
 
 impl Read {
-    /// Removes uvs and tangents, and materials, whose textures need them.
-    pub fn without_uvs(&mut self) -> Result<()> {
+    /// Removes uvs and tangents, and the appearance, which is baked again: of materials only their sidedness stays, and
+    /// colours if they are ray distances.
+    pub fn without_uvs(&mut self, keeps_colors: bool) -> Result<()> {
         let mut data = std::mem::take(&mut self.scene).into_data();
         for mesh in &mut data.meshes {
-            let bare = MeshData { uvs: Vec::new(), tangents: Vec::new(), ..std::mem::take(mesh).into_data() };
+            let mut bare = std::mem::take(mesh).into_data();
+            (bare.uvs, bare.tangents) = (Vec::new(), Vec::new());
+            if !keeps_colors {
+                bare.colors = Vec::new();
+            }
             *mesh = Mesh::new(bare)?;
         }
         data.textures.clear();
-        data.materials.fill(Material::default());
+        for material in &mut data.materials {
+            *material = Material { double_sided: material.double_sided, ..Material::default() };
+        }
         self.scene = Scene::new(data)?;
         Ok(())
     }
@@ -391,11 +398,68 @@ fn word(name: &str) -> String {
     name.chars().take(40).map(|c| if fits(c) { c } else { '_' }).collect()
 }
 
+/// The objects of a scan that each object of a low-poly mesh shows.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(in crate::asset) struct Groups {
+    /// The names of the groups, sorted.
+    pub names: Vec<String>,
+    /// The group of each instance of the low-poly mesh, an index into `names`; `None` if it shows the whole scan.
+    of_low: Vec<Option<u32>>,
+    /// The group of each instance of the scan.
+    of_high: Arc<[Option<u32>]>,
+}
+
+impl Groups {
+    /// Matches objects by their names; `None` if no name of the low-poly mesh has a counterpart, or if all objects
+    /// are one group. Objects without a counterpart are noted.
+    pub fn matched([low, high]: [&Objects; 2], warnings: &mut Warnings) -> Option<Self> {
+        let of_high: Vec<Option<String>> =
+            high.names.iter().map(|name| name_before(name, HIGH_MARK)).collect();
+        let of_low: Vec<Option<String>> = low.names.iter().map(|name| name_before(name, LOW_MARK)).collect();
+        let named: BTreeSet<&String> = of_high.iter().flatten().collect();
+        let shared: BTreeSet<&String> = of_low.iter().flatten().filter(|name| named.contains(name)).collect();
+        let names: Vec<String> = shared.into_iter().cloned().collect();
+        let number = |name: &Option<String>| names.binary_search(name.as_ref()?).ok().map(|k| k as u32);
+        let [low_groups, high_groups] =
+            [&of_low, &of_high].map(|all| all.iter().map(number).collect::<Vec<Option<u32>>>());
+        let is_one = names.len() == 1 && low_groups.iter().chain(&high_groups).all(Option::is_some);
+        if names.is_empty() || is_one {
+            return None;
+        }
+        let without = |groups: &[Option<u32>]| groups.iter().filter(|group| group.is_none()).count();
+        warnings.note(
+            "objects of the low-poly mesh without a counterpart by name: they show whatever is nearest",
+            without(&low_groups),
+        );
+        warnings.note(
+            "objects of the scan without a counterpart by name: no matched object shows them",
+            without(&high_groups),
+        );
+        let of_instances = |objects: &Objects, groups: &[Option<u32>]| -> Vec<Option<u32>> {
+            objects.of_instances.iter().map(|object| groups[*object as usize]).collect()
+        };
+        let (of_low, of_high) = (of_instances(low, &low_groups), of_instances(high, &high_groups));
+        Some(Self { names, of_low, of_high: of_high.into() })
+    }
+
+    /// Returns the groups of a mesh of these instances of the low-poly mesh, each with its number of triangles.
+    pub fn of_mesh(&self, instances: impl Iterator<Item = (usize, usize)>) -> CageGroups {
+        let of_instance = |(instance, triangles): (usize, usize)| {
+            std::iter::repeat_n(self.of_low.get(instance).copied().flatten(), triangles)
+        };
+        CageGroups {
+            of_triangle: instances.flat_map(of_instance).collect(),
+            of_object: Arc::clone(&self.of_high),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::asset::ask::Lod;
     use taotie_engine::length::Unit;
+    use taotie_engine::mesh::MeshData;
     use taotie_engine::scene::{Instance, SceneData};
 
     #[test]
@@ -497,5 +561,41 @@ mod tests {
         assert_eq!(of(&["old wood", "old/wood", "", "Brass"]), ["old_wood", "old_wood1", "2", "Brass"]);
         assert_eq!(of(&["a", "a", "a1"]), ["a", "a1", "a12"]);
         assert_eq!(of(&["", "x", "0"]), ["0", "x", "02"]);
+    }
+
+    fn objects(all: &[&str]) -> Objects {
+        let names = all.iter().map(|name| (*name).to_owned()).collect();
+        Objects { names, of_instances: (0..all.len() as u32).collect() }
+    }
+
+    #[test]
+    fn objects_are_matched_by_what_is_before_low_and_high() {
+        let low = objects(&["Wheel_low", "axle_LOW.001", "wheel_low_rim", "cart"]);
+        let high = objects(&["axle_high", "wheel_high_bolts", "WHEEL_high", "dust", "hook_high"]);
+        let mut warnings = Warnings::default();
+        let groups = Groups::matched([&low, &high], &mut warnings).unwrap();
+        assert_eq!(groups.names, ["axle", "wheel"]);
+        assert_eq!(groups.of_low, [Some(1), Some(0), Some(1), None]);
+        assert_eq!(*groups.of_high, [Some(0), Some(1), Some(1), None, None]);
+        let counts: Vec<usize> = warnings.iter().map(|(_, count)| count).collect();
+        assert_eq!(counts, [1, 2], "the cart; dust and hook");
+        let mesh = groups.of_mesh([(1, 2), (3, 1)].into_iter());
+        assert_eq!(mesh.of_triangle, [Some(0), Some(0), None]);
+    }
+
+    #[test]
+    fn other_names_match_nothing() {
+        let mut warnings = Warnings::default();
+        for (low, high) in [
+            (&["wheel"][..], &["wheel"][..]),
+            (&["a_low"], &["b_high"]),
+            (&["a_lower"], &["a_higher"]),
+            (&["_low"], &["_high"]),
+            (&["a_low", "a_low"], &["a_high"]),
+            (&[], &[]),
+        ] {
+            assert_eq!(Groups::matched([&objects(low), &objects(high)], &mut warnings), None, "{low:?}");
+        }
+        assert!(warnings.is_empty());
     }
 }

@@ -1,14 +1,12 @@
-//! The low-poly mesh that is baked onto, given or generated from the scan, with its cage and the groups of objects that
-//! show each other: `wheel_low` of the low-poly mesh shows only `wheel_high` of the scan.
+//! The low-poly mesh that is baked onto, given or generated from the scan, with its cage.
 
 use super::scan::Scan;
 use crate::asset::ask::{BakeOptions, MeshSource};
 use std::borrow::Cow;
-use std::collections::BTreeSet;
 use std::ops::Range;
 use std::sync::Arc;
 use taotie_engine::bake::{
-    self, Cage, CageGroups, Faults, MapKind, Remesh, Remeshed, Shells, Simplified, SimplifyMethod,
+    self, Cage, CageGroups, Faults, Floating, MapKind, Remesh, Remeshed, Shells, Simplified, SimplifyMethod,
     SimplifyOptions, UnwrapOptions, UvIndex,
 };
 use taotie_engine::error::{Error, Result, Warnings};
@@ -18,7 +16,6 @@ use taotie_engine::mesh::{Mesh, MeshData, RELIEF_OF_VERTICES};
 use taotie_engine::progress::Progress;
 use taotie_engine::scene::{AlphaMode, Material};
 use taotie_engine::surface::with_frames;
-use taotie_io::{HIGH_MARK, LOW_MARK, Objects, name_before};
 
 /// A low-poly mesh, ready to be baked onto.
 pub(in crate::asset) struct LowPoly {
@@ -34,6 +31,8 @@ pub(in crate::asset) struct LowPoly {
     pub groups: Option<Arc<CageGroups>>,
     /// The factor of the ray distance at each vertex, from its colour; empty for 1.
     pub ray_factors: Vec<f32>,
+    /// Its part of the cage of all meshes of its file; `None` if it is the only one.
+    pub cage: Option<Cage>,
 }
 
 /// The origin of a low-poly mesh.
@@ -171,6 +170,7 @@ impl LowPoly {
             own: None,
             groups: None,
             ray_factors: Vec::new(),
+            cage: None,
         }
     }
 
@@ -178,7 +178,7 @@ impl LowPoly {
     pub fn packed(mesh: Mesh) -> Self {
         let (origin, material) = (Origin { is_scan: true, ..Origin::default() }, Material::default());
         let (kept, ray_factors) = (KeptTextures::default(), Vec::new());
-        Self { mesh, origin, material, kept, own: None, groups: None, ray_factors }
+        Self { mesh, origin, material, kept, own: None, groups: None, ray_factors, cage: None }
     }
 
     /// Returns the mesh from which the scan is searched for: without its normals if they were fitted, since those of
@@ -411,30 +411,68 @@ impl Rays {
     /// Returns the cage of a low-poly mesh.
     ///
     /// # Errors
-    /// Those of [`Cage::uniform`] and [`Cage::from_mesh`].
+    /// Those of [`Rays::cages`].
     pub fn cage(&self, Pair { scan, low }: Pair<'_>) -> Result<Cage> {
-        let groups = || low.groups.clone();
+        match &low.cage {
+            Some(cage) => Ok(cage.clone()),
+            None => Ok(self.cages(scan, &[low])?.remove(0)),
+        }
+    }
+
+    /// Returns the cages of low-poly meshes that are one surface together: where they meet, their rays do, so that no gap
+    /// opens between them.
+    ///
+    /// # Errors
+    /// Those of [`Cage::uniform`] and [`Cage::from_mesh`].
+    pub fn cages(&self, scan: &Scan, lows: &[&LowPoly]) -> Result<Vec<Cage>> {
+        let shapes: Vec<Cow<'_, Mesh>> = lows.iter().map(|low| low.shape()).collect();
+        let whole = match &*shapes {
+            [only] => Cow::Borrowed(&**only),
+            several => Cow::Owned(Mesh::joined(several.iter().map(|shape| &**shape))?),
+        };
+        let counts = lows.iter().map(|low| (low.groups.as_ref(), low.mesh.triangles().len()));
+        let groups = CageGroups::joined(counts).map(Arc::new);
+        let cage = self.of_shape(&whole, (scan, groups), lows)?.with_uvs(self.uvs.clone());
+        let is_given = |low: &&LowPoly| low.origin.simplified.is_none() && !low.origin.is_scan;
+        let reach = if matches!(self.length, RayLength::Auto) { Cage::reach(&whole) } else { 0.0 };
+        let floating = lows.iter().any(is_given).then(|| Arc::new(Floating::above(&whole, reach)));
+        let cage = cage.with_floating(floating);
+        if let [only] = lows {
+            return Ok(vec![cage.scaled(&only.ray_factors)]);
+        }
+        let (mut vertices, mut triangles) = (0..0, 0..0);
+        let part = |low: &&LowPoly| {
+            vertices = vertices.end..vertices.end + low.mesh.positions().len();
+            triangles = triangles.end..triangles.end + low.mesh.triangles().len();
+            cage.part((vertices.clone(), triangles.clone())).scaled(&low.ray_factors)
+        };
+        Ok(lows.iter().map(part).collect())
+    }
+
+    /// Returns the cage of the shape of low-poly meshes.
+    fn of_shape(
+        &self,
+        shape: &Mesh,
+        (scan, groups): (&Scan, Option<Arc<CageGroups>>),
+        lows: &[&LowPoly],
+    ) -> Result<Cage> {
         let is_corrected = matches!(self.skew, Skew::Corrected);
         let cage = match &self.length {
-            RayLength::Auto => Cage::automatic_in(&low.shape(), scan.sorted(), groups()),
+            RayLength::Auto => Cage::automatic_in(shape, scan.sorted(), groups),
             RayLength::Uniform(distance) => {
-                let cage = Cage::uniform(&low.shape(), *distance as f32)?.with_groups(groups());
-                if is_corrected { cage.straightened(&low.shape(), scan.sorted()) } else { cage }
+                let cage = Cage::uniform(shape, *distance as f32)?.with_groups(groups);
+                if is_corrected { cage.straightened(shape, scan.sorted()) } else { cage }
             }
             RayLength::Cage(cage) => {
-                let made = match &low.own {
-                    Some(own) => Cage::from_mesh(&low.mesh, &cage.part(&own.triangles)?),
-                    None => Cage::from_mesh(&low.mesh, &cage.mesh),
-                };
-                made.map(|made| made.with_groups(groups())).map_err(|error| cage.named(error))?
+                let made = cage.of(lows).and_then(|outer| Cage::from_mesh(shape, &outer));
+                made.map(|made| made.with_groups(groups)).map_err(|error| cage.named(error))?
             }
         };
-        let cage = match &self.skew {
+        Ok(match &self.skew {
             Skew::Corrected => cage,
             Skew::Kept => cage.skewed(),
             Skew::Mask(mask) => cage.straightened_by(Arc::clone(mask)),
-        };
-        Ok(cage.scaled(&low.ray_factors).with_uvs(self.uvs.clone()))
+        })
     }
 }
 
@@ -459,8 +497,17 @@ impl CageMesh {
         Err(self.named(error))
     }
 
+    /// Returns the cage of low-poly meshes as one: the same triangles in their order.
+    pub fn of(&self, lows: &[&LowPoly]) -> Result<Mesh> {
+        let ranges = |low: &&LowPoly| Some(low.own.as_ref()?.triangles.clone());
+        match lows.iter().map(ranges).collect::<Option<Vec<_>>>() {
+            Some(all) => self.part(&all.concat()),
+            None => Ok(self.mesh.clone()),
+        }
+    }
+
     /// Returns the cage of a part of the low-poly mesh, given its triangle ranges in the whole.
-    pub fn part(&self, ranges: &[Range<usize>]) -> Result<Mesh> {
+    fn part(&self, ranges: &[Range<usize>]) -> Result<Mesh> {
         let (positions, all) = (self.mesh.positions().to_vec(), self.mesh.triangles());
         let triangles = ranges.iter().flat_map(|range| all[range.clone()].iter().copied()).collect();
         Mesh::new(MeshData { positions, triangles, ..MeshData::default() })
@@ -472,102 +519,5 @@ impl CageMesh {
             (Some(path), Error::Invalid { what, why }) => Error::invalid(format!("{path}: {what}"), why),
             (_, error) => error,
         }
-    }
-}
-
-/// The objects of a scan that each object of a low-poly mesh shows.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(in crate::asset) struct Groups {
-    /// The names of the groups, sorted.
-    pub names: Vec<String>,
-    /// The group of each instance of the low-poly mesh, an index into `names`; `None` if it shows the whole scan.
-    of_low: Vec<Option<u32>>,
-    /// The group of each instance of the scan.
-    of_high: Arc<[Option<u32>]>,
-}
-
-impl Groups {
-    /// Matches objects by their names; `None` if no name of the low-poly mesh has a counterpart, or if all objects
-    /// are one group. Objects without a counterpart are noted.
-    pub fn matched([low, high]: [&Objects; 2], warnings: &mut Warnings) -> Option<Self> {
-        let of_high: Vec<Option<String>> =
-            high.names.iter().map(|name| name_before(name, HIGH_MARK)).collect();
-        let of_low: Vec<Option<String>> = low.names.iter().map(|name| name_before(name, LOW_MARK)).collect();
-        let named: BTreeSet<&String> = of_high.iter().flatten().collect();
-        let shared: BTreeSet<&String> = of_low.iter().flatten().filter(|name| named.contains(name)).collect();
-        let names: Vec<String> = shared.into_iter().cloned().collect();
-        let number = |name: &Option<String>| names.binary_search(name.as_ref()?).ok().map(|k| k as u32);
-        let [low_groups, high_groups] =
-            [&of_low, &of_high].map(|all| all.iter().map(number).collect::<Vec<Option<u32>>>());
-        let is_one = names.len() == 1 && low_groups.iter().chain(&high_groups).all(Option::is_some);
-        if names.is_empty() || is_one {
-            return None;
-        }
-        let without = |groups: &[Option<u32>]| groups.iter().filter(|group| group.is_none()).count();
-        warnings.note(
-            "objects of the low-poly mesh without a counterpart by name: they show whatever is nearest",
-            without(&low_groups),
-        );
-        warnings.note(
-            "objects of the scan without a counterpart by name: no matched object shows them",
-            without(&high_groups),
-        );
-        let of_instances = |objects: &Objects, groups: &[Option<u32>]| -> Vec<Option<u32>> {
-            objects.of_instances.iter().map(|object| groups[*object as usize]).collect()
-        };
-        let (of_low, of_high) = (of_instances(low, &low_groups), of_instances(high, &high_groups));
-        Some(Self { names, of_low, of_high: of_high.into() })
-    }
-
-    /// Returns the groups of a mesh of these instances of the low-poly mesh, each with its number of triangles.
-    pub fn of_mesh(&self, instances: impl Iterator<Item = (usize, usize)>) -> CageGroups {
-        let of_instance = |(instance, triangles): (usize, usize)| {
-            std::iter::repeat_n(self.of_low.get(instance).copied().flatten(), triangles)
-        };
-        CageGroups {
-            of_triangle: instances.flat_map(of_instance).collect(),
-            of_object: Arc::clone(&self.of_high),
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn objects(all: &[&str]) -> Objects {
-        let names = all.iter().map(|name| (*name).to_owned()).collect();
-        Objects { names, of_instances: (0..all.len() as u32).collect() }
-    }
-
-    #[test]
-    fn objects_are_matched_by_what_is_before_low_and_high() {
-        let low = objects(&["Wheel_low", "axle_LOW.001", "wheel_low_rim", "cart"]);
-        let high = objects(&["axle_high", "wheel_high_bolts", "WHEEL_high", "dust", "hook_high"]);
-        let mut warnings = Warnings::default();
-        let groups = Groups::matched([&low, &high], &mut warnings).unwrap();
-        assert_eq!(groups.names, ["axle", "wheel"]);
-        assert_eq!(groups.of_low, [Some(1), Some(0), Some(1), None]);
-        assert_eq!(*groups.of_high, [Some(0), Some(1), Some(1), None, None]);
-        let counts: Vec<usize> = warnings.iter().map(|(_, count)| count).collect();
-        assert_eq!(counts, [1, 2], "the cart; dust and hook");
-        let mesh = groups.of_mesh([(1, 2), (3, 1)].into_iter());
-        assert_eq!(mesh.of_triangle, [Some(0), Some(0), None]);
-    }
-
-    #[test]
-    fn other_names_match_nothing() {
-        let mut warnings = Warnings::default();
-        for (low, high) in [
-            (&["wheel"][..], &["wheel"][..]),
-            (&["a_low"], &["b_high"]),
-            (&["a_lower"], &["a_higher"]),
-            (&["_low"], &["_high"]),
-            (&["a_low", "a_low"], &["a_high"]),
-            (&[], &[]),
-        ] {
-            assert_eq!(Groups::matched([&objects(low), &objects(high)], &mut warnings), None, "{low:?}");
-        }
-        assert!(warnings.is_empty());
     }
 }
