@@ -143,6 +143,17 @@ def test_bake_onto_a_low_object(form, tmp_path):
     figures_agree(form, MAPPED)
 
 
+def test_maps_in_separate_files_are_kept(form, tmp_path):
+    form.high, form.low = scenes.pair()
+    form.size, form.output = "256", str(tmp_path / "plain.glb")
+    form.options += " --maps normal,height"
+    assert bpy.ops.taotie.bake() == {"FINISHED"}
+    names = ["plain.glb", "plain.height.png", "plain.report.html", "plain.report.json"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == report(form)["files"] == names
+    assert b'"plain.height.png"' in (tmp_path / "plain.glb").read_bytes(), "the asset states the map's file"
+    assert not left_behind()
+
+
 def test_verified_errors_agree_with_rays_of_blender(form):
     form.high, form.low = scenes.pair()
     assert bpy.ops.taotie.verify() == {"FINISHED"}

@@ -69,7 +69,9 @@ def bake(context, request):
     """Bakes the high object, onto the low one if there is one; returns an `Outcome`."""
     with _folder() as folder:
         scan = yield from _export(context, request.high, folder / "scan")
-        asset = folder / "asset" / f"{_file_name(_shown(request))}.glb"
+        # Files next to the asset have its name, which it states itself.
+        name = request.output.stem if request.output else _file_name(_shown(request))
+        asset = folder / "asset" / f"{name}.glb"
         asset.parent.mkdir()
         low = []
         if request.low:
@@ -116,7 +118,6 @@ def _export(context, thing, folder):
 
 def _finish(context, request, files, is_new=True):
     scan, asset, page, printed = files
-    kept = [page, page.with_suffix(".json"), asset]
     try:
         error, errors = yield from _measure(context, request, scan, asset)
         made = None
@@ -125,10 +126,11 @@ def _finish(context, request, files, is_new=True):
                 load(context, _plain(asset), made)
     except Exception as problem:
         if is_new and request.output:  # a bake may have taken hours
-            raise Problem(f"{text_of(problem)}; the asset is complete: `{_keep(kept, request).parent}`") from problem
+            raise Problem(f"{text_of(problem)}; the asset is complete: `{_keep(asset, request)}`") from problem
         raise
     report = json.loads(page.with_suffix(".json").read_text(encoding="utf-8"))
-    return Outcome(figures_of(printed), report, _keep(kept, request), made, error, errors.top, errors.stops)
+    page = _keep(asset, request) / page.name
+    return Outcome(figures_of(printed), report, page, made, error, errors.top, errors.stops)
 
 
 def _shown(request):
@@ -136,7 +138,7 @@ def _shown(request):
 
 
 def _plain(asset):
-    return asset.with_name("plain.glb")
+    return asset.parent.with_name("plain.glb")
 
 
 def _measure(context, request, scan, asset):
@@ -148,7 +150,7 @@ def _measure(context, request, scan, asset):
     glb.keep_shown()
     glb.save(_plain(asset))
     glb.unwrap()
-    mapped, folder = asset.with_name("mapped.glb"), asset.with_name("view")
+    mapped, folder = (asset.parent.with_name(name) for name in ("mapped.glb", "view"))
     glb.save(mapped)
     view = ["view", mapped, "--scan", scan, "--unit", "m", "--folder", folder]
     yield from program.run(request.command, view)
@@ -157,17 +159,16 @@ def _measure(context, request, scan, asset):
         return collection, show_errors(context, mapped, folder, collection)
 
 
-def _keep(files, request):
-    """Moves asset and reports to the folder of the output, or of this session; returns the first."""
-    asset = files[-1]
+def _keep(asset, request):
+    """Moves the asset and all files next to it to the folder of the output, or of this session; returns that folder."""
     if request.output:
-        request.output.parent.mkdir(parents=True, exist_ok=True)
-        target = request.output
+        folder = request.output.parent
+        folder.mkdir(parents=True, exist_ok=True)
     else:
-        target = Path(tempfile.mkdtemp(prefix="taotie-report-", dir=bpy.app.tempdir)) / asset.name
-    for file in files:
-        shutil.move(file, target.with_name(target.stem + file.name.removeprefix(asset.stem)))
-    return target.with_name(target.stem + files[0].name.removeprefix(asset.stem))
+        folder = Path(tempfile.mkdtemp(prefix="taotie-report-", dir=bpy.app.tempdir))
+    for file in list(asset.parent.iterdir()):
+        shutil.move(file, folder / file.name)
+    return folder
 
 
 def figures_of(printed):

@@ -1,33 +1,36 @@
 """A collection on any file system that fsspec can list and write: S3, Google Cloud, another machine.
 
 The planning process holds no asset. It has a separate folder with the names, sizes and times of all files: sparse
-files that take no disk space, except for the few that it reads. Each job fetches the files that its scan references, or
-all files next to its photographs, and uploads its results.
+files that take no disk space, except for the few that it reads. Each job fetches its scan and the models that its
+settings name, with the files that these reference, or all files next to its photographs, and uploads its results.
 """
 
 from __future__ import annotations
 
+import json
 import os
 import posixpath
 import tempfile
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from datetime import datetime, timezone
 from fnmatch import fnmatch
 from pathlib import Path, PurePosixPath
 from typing import Any
-from urllib.parse import quote
+from urllib.parse import unquote
 
 from ._jobs import work
 
 __all__ = ["Keeper", "Stored", "is_url"]
 
-#: Formats that reference other files, and how many of their bytes can contain references.
-_NAMING = {".gltf": -1, ".mtl": -1, ".glb": 1 << 24, ".ply": 1 << 16}
+#: Formats whose text or bytes name other files, and how many of their bytes can; OBJ and glTF are read otherwise.
+_NAMING = {".mtl": -1, ".fbx": -1, ".ply": 1 << 20}
 _MODELS = {".gltf", ".glb", ".obj", ".ply", ".stl", ".fbx"}
-#: The files that the planning process reads.
-_BOOKS = {".toml", ".csv", ".jsonl"}
+#: Lists and records, which the planning process reads.
+_BOOKS = {".toml", ".csv", ".jsonl", ".ndjson"}
+#: What `_plain` makes of each byte.
+_PLAIN = bytes(byte if byte >= 128 or chr(byte).isalnum() or chr(byte) in "._-" else ord("/") for byte in range(256)).lower()
 #: Seconds between uploads of the manifest.
 _EVERY = 60.0
 
@@ -84,10 +87,12 @@ class Stored:
 
     def outline(self, folder: Path) -> Path:
         """Create a folder with all names, sizes and times; return the collection's file in it."""
+        self._fetch([self.name], folder)
+        own = (folder / self.name).read_bytes()
         for path, (size, seconds) in self.files.items():
             place = _within(folder, path)
             place.parent.mkdir(parents=True, exist_ok=True)
-            if PurePosixPath(path).suffix in _BOOKS or PurePosixPath(path).name == "object.json":
+            if _is_planned_by(path, own):
                 self._fetch([path], folder)
             else:
                 with open(place, "wb") as file:
@@ -104,7 +109,9 @@ class Stored:
             folder = Path(name)
             start = time.monotonic()
             job = planned["job"]
-            self._fetch([*self._read_by(job, folder), *self._named_in(job["settings"])], folder)
+            self._fetch([*self._read_by(job, folder), *self._named_in(job["settings"], folder)], folder)
+            # A list in a folder names scans by paths through that folder: `lists/../scans/a.obj`.
+            (folder / job["scan"]).parent.mkdir(parents=True, exist_ok=True)
             if made := planned.get("address"):
                 asset = _object(job, made)
                 self._fetch([path for path in self.files if path.startswith(f"{asset}/")], folder)
@@ -149,7 +156,7 @@ class Stored:
 
     def _read_by(self, job: dict[str, Any], folder: Path) -> list[str]:
         """The files that a job reads, except for those that its settings name."""
-        scan = PurePosixPath(job["scan"]).as_posix()
+        scan = posixpath.normpath(job["scan"])
         if "photometric" not in job["settings"]["task"]:
             return [scan, *self._named_by(scan, folder)]
         # A folder of photographs, or a file among them.
@@ -159,44 +166,58 @@ class Stored:
         """The files directly in a folder."""
         return [path for path in self.files if posixpath.dirname(path) == ("" if folder == "." else folder)]
 
-    def _named_by(self, scan: str, folder: Path) -> list[str]:
-        """The files in a scan's folder named in its text, or in the text of one of them; scans reach no others."""
-        above = posixpath.dirname(scan)
+    def _named_by(self, model: str, folder: Path) -> list[str]:
+        """The files in a model's folder that it names, or that one of them names; models reach no others.
+
+        Only names count, without folders and in any case, since the readers of some formats look for them so.
+        """
+        above = posixpath.dirname(model)
         start = above + "/" if above else ""
-        others = {
-            path[len(start) :]: path
+        names = {
+            path: {_plain(os.fsencode(name)), _plain(name.encode("latin-1", "replace"))}
             for path in self.files
-            if path.startswith(start) and PurePosixPath(path).suffix.lower() not in _MODELS
+            if path.startswith(start) and _suffix(path) not in _MODELS
+            for name in [posixpath.basename(path)]
         }
         found: dict[str, None] = {}
-        unread = [scan]
+        unread = [model]
         while unread:
             text = self._text(unread.pop(), folder)
-            for name, path in others.items():
-                forms = {name, quote(name), name.replace("/", "\\")}
-                if path not in found and any(form.encode() in text for form in forms):
+            for path, forms in names.items():
+                if path not in found and any(form in text for form in forms):
                     found[path] = None
                     unread.append(path)
         return list(found)
 
     def _text(self, path: str, folder: Path) -> bytes:
-        """The part of a file's text that can reference other files."""
+        """The part of a file that can name other files, see `_plain`."""
         self._fetch([path], folder)
-        suffix = PurePosixPath(path).suffix.lower()
+        suffix = _suffix(path)
         with open(_within(folder, path), "rb") as file:
             if suffix == ".obj":
-                return b"".join(line for line in file if line.lstrip().startswith(b"mtllib"))
-            return file.read(_NAMING.get(suffix, 0))
+                text = b"".join(line for line in file if line.lstrip().startswith(b"mtllib"))
+            elif suffix == ".gltf":
+                text = _uris(file.read())
+            elif suffix == ".glb":
+                # The container's header and the length of its JSON, which comes first.
+                start = file.read(20)
+                text = _uris(file.read(int.from_bytes(start[12:16], "little")))
+            else:
+                text = file.read(_NAMING.get(suffix, 0))
+        return _plain(text)
 
-    def _named_in(self, settings: Any) -> list[str]:
-        """All files that settings name, and those in folders that they name."""
+    def _named_in(self, settings: Any, folder: Path) -> list[str]:
+        """All files that settings name, those that models among them name, and those in folders that they name."""
         if isinstance(settings, dict):
-            return [path for value in settings.values() for path in self._named_in(value)]
+            return [path for value in settings.values() for path in self._named_in(value, folder)]
         if isinstance(settings, list):
-            return [path for value in settings for path in self._named_in(value)]
+            return [path for value in settings for path in self._named_in(value, folder)]
         if not isinstance(settings, str) or not settings:
             return []
-        return [settings] if settings in self.files else self._inside(PurePosixPath(settings).as_posix())
+        path = posixpath.normpath(settings)
+        if path not in self.files:
+            return self._inside(path)
+        return [path, *self._named_by(path, folder)] if _suffix(path) in _MODELS else [path]
 
 
 class Keeper:
@@ -236,6 +257,43 @@ class Keeper:
 def _object(job: dict[str, Any], address: str) -> str:
     """The folder of an object, relative to the collection's."""
     return f"{PurePosixPath(job['output']).as_posix()}/objects/{address[:2]}/{address}"
+
+
+def _suffix(path: str) -> str:
+    return PurePosixPath(path).suffix.lower()
+
+
+def _is_planned_by(path: str, collection: bytes) -> bool:
+    """Return true for files that the planning process reads: records, lists and what the collection's file names."""
+    name = posixpath.basename(path)
+    is_named = os.fsencode(name) in collection and _suffix(path) not in _MODELS
+    return is_named or _suffix(path) in _BOOKS or name == "object.json"
+
+
+def _plain(text: bytes) -> bytes:
+    """Text in lower case, with a slash before it and for each byte that usually separates names, such as a quote."""
+    return b"/" + text.translate(_PLAIN)
+
+
+def _uris(document: bytes) -> bytes:
+    """The URIs in a glTF document, a line for each, as they are and decoded."""
+    try:
+        uris = list(_uris_in(json.loads(document)))
+    except (ValueError, RecursionError):
+        # The job reports what is wrong.
+        return b""
+    lines = [line for uri in uris if uri[:5].lower() != "data:" for line in (uri, unquote(uri))]
+    return "\n".join(lines).encode("utf-8", "replace")
+
+
+def _uris_in(value: Any) -> Iterator[str]:
+    if isinstance(value, dict):
+        if isinstance(value.get("uri"), str):
+            yield value["uri"]
+        value = list(value.values())
+    if isinstance(value, list):
+        for inner in value:
+            yield from _uris_in(inner)
 
 
 def _seconds(about: dict[str, Any]) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import struct
 import subprocess
 import sys
 from datetime import datetime, timezone
@@ -88,19 +89,52 @@ def test_a_scan_fetches_only_the_files_it_references(tmp_path: Path) -> None:
     (place / "maps").mkdir(parents=True)
     (place / "c.toml").write_text("")
     texts = {
-        "a.gltf": '{"images": [{"uri": "maps/a%20b.png"}]}',
+        "a.gltf": '{"images": [{"uri": "maps/a%20e.png"}]}',
         "b.obj": "v 0 0 0\nmtllib b.mtl\n# maps/other.png",
         "b.mtl": "map_Kd maps\\b.png\n",
         "c.ply": "ply\ncomment TextureFile maps/c.png\n",
+        "d.gltf": json.dumps({"buffers": [{"uri": "data:,maps/other.png"}], "images": [{"uri": "maps\\ü.png"}]}),
+        "e.FBX": 'Video: 5, "Video::other" {\n RelativeFilename: "C:\\art\\Body_f.PNG"\n}',
     }
     for name, text in texts.items():
-        (place / name).write_text(text)
-    for name in ("a b", "b", "c", "other"):
+        (place / name).write_text(text, encoding="utf-8")
+    document = texts["a.gltf"].encode()
+    (place / "f.glb").write_bytes(struct.pack("<4s4I", b"glTF", 2, 0, len(document), 0x4E4F534A) + document + b"maps/other.png")
+    for name in ("a e", "b", "c", "ü", "body_f", "f", "other"):
         (place / f"maps/{name}.png").write_text("")
     stored = Stored(f"file://{place}/c.toml")
     stored.look()
-    named = {name: sorted(stored._named_by(name, tmp_path / "near")) for name in ("a.gltf", "b.obj", "c.ply")}
-    assert named == {"a.gltf": ["maps/a b.png"], "b.obj": ["b.mtl", "maps/b.png"], "c.ply": ["maps/c.png"]}
+    models = ("a.gltf", "b.obj", "c.ply", "d.gltf", "e.FBX", "f.glb")
+    named = {name: sorted(stored._named_by(name, tmp_path / "near")) for name in models}
+    assert named == {
+        "a.gltf": ["maps/a e.png"],
+        "b.obj": ["b.mtl", "maps/b.png"],
+        "c.ply": ["maps/c.png"],
+        "d.gltf": ["maps/ü.png"],
+        "e.FBX": ["maps/body_f.png"],
+        "f.glb": ["maps/a e.png"],
+    }
+
+
+def test_files_that_settings_name_are_fetched_in_full(tmp_path: Path) -> None:
+    place = tmp_path / "far"
+    collection.write(place, 1, ("stored", "command"))
+    (place / "low").mkdir()
+    corners = "v -1 1.2 1\nv 1 1.2 1\nv 1 1.2 -1\nv -1 1.2 -1\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+    (place / "low/low.obj").write_text(f"mtllib low.mtl\n{corners}usemtl m\nf 1/1 2/2 3/3 4/4\n")
+    (place / "low/low.mtl").write_text("newmtl m\nKd 0.5 0.4 0.3\n")
+    (place / "rights.json").write_text('{"dc:title": "Jue"}')
+    (place / "lists").mkdir()
+    (place / "lists/all.NDJSON").write_text('{"path": "../scans/0.obj", "id": "zero"}\n')
+    for name in ("stored", "command"):
+        text = (place / f"{name}.toml").read_text().replace('folder = "scans"', 'list = "lists/all.NDJSON"')
+        text = text.replace("triangles = 60", 'low = { file = "./low/low.obj" }')
+        (place / f"{name}.toml").write_text(text + '[packing]\nprovenance = "rights.json"\n')
+    stored = Stored(f"file://{place}/stored.toml")
+    (tmp_path / "near").mkdir()
+    assert run(stored, tmp_path / "near")["states"]["done"] == 1
+    subprocess.run([sys.executable, "-m", "taotie", "batch", str(place / "command.toml"), "-q"], check=True)
+    assert collection.objects(place / "stored") == collection.objects(place / "command")
 
 
 def test_names_stay_in_the_folder_and_times_are_read(tmp_path: Path) -> None:

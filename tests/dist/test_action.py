@@ -248,6 +248,14 @@ def test_a_program_that_proves_nothing_is_a_failure(checkout: Checkout, scan: st
     assert (step.code, errors(step), step.outputs["assets"]) == (2, [f"{other} ended with exit code 1"], "[]")
 
 
+def test_a_bake_without_a_proof_passes(checkout: Checkout, scan: str) -> None:
+    checkout.commit({"scans/x.obj": scan})
+    step = checkout.run(mode="bake", options="--triangles 60 --size 64 --no-verify", require="")
+    assert (step.code, errors(step), step.outputs) == (0, [], {"verdict": "passed", "assets": '["assets/x.glb"]'}), step.log
+    assert Cells(step.summary).texts[:3] == ["assets/x.glb", "scans/x.obj", "passed"]
+    assert [path.name for path in step.results.rglob("*.*")] == ["x.glb"]
+
+
 def test_a_base_that_is_not_here_is_fetched(checkout: Checkout, scan: str, tmp_path: Path) -> None:
     base = checkout.commit({"scans/old.obj": scan})
     checkout.commit({"scans/new.obj": scan})

@@ -45,7 +45,7 @@ pub struct Audit {
 /// returns true to go on.
 ///
 /// # Errors
-/// [`taotie_engine::Error::Cancelled`]; those of the manifest.
+/// [`taotie_engine::Error::Cancelled`]; as [`History::read_existing`].
 pub fn audit(
     collection: &Collection,
     options: &AuditOptions,
@@ -53,7 +53,7 @@ pub fn audit(
     hear: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Audit> {
     let store = Store::new(collection.output());
-    let history = History::read(store.root())?;
+    let history = History::read_existing(store.root())?;
     let made: Vec<_> = history.last.values().filter(|record| record.state.is_made()).collect();
     let mut audit = Audit { assets: made.len(), ..Audit::default() };
     for (index, record) in made.iter().enumerate() {

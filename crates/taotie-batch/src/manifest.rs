@@ -127,6 +127,18 @@ impl History {
         Ok(history)
     }
 
+    /// Reads all manifests like [`History::read`], of which there must be one.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] if there is none; as [`History::read`].
+    pub fn read_existing(root: &Path) -> Result<Self> {
+        if manifests(root)?.is_empty() {
+            let why = "no manifest in this folder; run `taotie batch` first, or correct `output` in the collection's file";
+            return Err(Error::invalid(root.display().to_string(), why));
+        }
+        Self::read(root)
+    }
+
     fn read_file(&mut self, path: &Path) -> Result<()> {
         let bytes = read_bytes(path)?;
         for line in bytes.split(|byte| *byte == b'\n').filter(|line| !line.is_empty()) {

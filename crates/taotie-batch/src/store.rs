@@ -117,7 +117,8 @@ impl Store {
         }
     }
 
-    /// Creates `assets/ID/NAME` for each file: a link to the file in its object.
+    /// Creates `assets/ID/NAME` for each file: a link to the file in its object. Removes the links of other files, which
+    /// earlier bakes made.
     ///
     /// # Errors
     /// [`Error::Io`] if the system refuses.
@@ -127,11 +128,14 @@ impl Store {
         // The way from assets/ID back to the root.
         let up = "../".repeat(1 + id.split('/').count());
         let files = parts.iter().flat_map(|part| part.files.iter().map(move |file| (part, file)));
+        let mut names = Vec::new();
         for (part, file) in files.filter(|(_, file)| !file.name.contains('/')) {
             let target = format!("{up}{}/{}", Self::folder(&part.address), file.name);
             link(&target, &folder.join(&file.name)).map_err(|e| Error::io(folder.join(&file.name), e))?;
+            names.push(file.name.as_str());
         }
-        Ok(())
+        let objects = format!("{up}objects");
+        remove_links(&folder, Path::new(&objects), &names).map_err(|e| Error::io(&folder, e))
     }
 }
 
@@ -156,6 +160,20 @@ fn link(target: &str, path: &Path) -> std::io::Result<()> {
 /// Elsewhere, links need special rights; the page and the manifest name the objects themselves.
 #[cfg(not(unix))]
 fn link(_: &str, _: &Path) -> std::io::Result<()> {
+    Ok(())
+}
+
+/// Removes the links in a folder that [`Store::link`] created, except for those with these names: links to files of
+/// their own name below `objects`.
+fn remove_links(folder: &Path, objects: &Path, except: &[&str]) -> std::io::Result<()> {
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        let name = entry.file_name();
+        let is_own = |target: PathBuf| target.starts_with(objects) && target.file_name() == Some(&*name);
+        if !except.iter().any(|kept| name == *kept) && fs::read_link(entry.path()).is_ok_and(is_own) {
+            fs::remove_file(entry.path())?;
+        }
+    }
     Ok(())
 }
 
@@ -334,6 +352,17 @@ impl MainObject {
         match self {
             Self::Asset(asset) => &asset.warnings,
             Self::Estimate(estimate) => &estimate.warnings,
+        }
+    }
+
+    /// Checks that requirements can be judged.
+    ///
+    /// # Errors
+    /// As [`Requirement::check_unit`].
+    pub fn check_unit(&self, require: &[Requirement]) -> Result<()> {
+        match self {
+            Self::Asset(asset) => Requirement::check_unit(require, asset.figures.unit),
+            Self::Estimate(_) => Ok(()),
         }
     }
 

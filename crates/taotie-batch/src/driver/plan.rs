@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
-use taotie::asset::RequirementOutcome;
+use taotie::asset::{Requirement, RequirementOutcome};
 use taotie::{Bytes, Warning};
 use taotie_engine::{Error, Result, Warnings};
 use taotie_photometric::input_files;
@@ -187,14 +187,16 @@ fn due<'a>(todo: Todo, (folder, books): (&Path, &'a Books), retry: bool) -> Due<
     };
     let Some(last) = last.filter(is_same) else { return Due::Making(Box::new(todo)) };
     if !last.state.is_made() {
-        return if retry { Due::Making(Box::new(todo)) } else { Due::Nothing(last) };
+        // A requirement may be the cause: a length, if the scan has no unit.
+        let is_due = retry || !has_requirements(last, &todo.settings.require);
+        return if is_due { Due::Making(Box::new(todo)) } else { Due::Nothing(last) };
     }
     if !last.parts.iter().all(|part| books.store.holds(part)) {
         return Due::Making(Box::new(todo));
     }
     let proved = todo.clone().with_points(last.points);
     let is_judged =
-        last.is_current() && last.require == todo.settings.require && last.title == todo.scan.title;
+        last.is_current() && has_requirements(last, &todo.settings.require) && last.title == todo.scan.title;
     if is_judged {
         return proved
             .to_decide(&last.required)
@@ -202,11 +204,21 @@ fn due<'a>(todo: Todo, (folder, books): (&Path, &'a Books), retry: bool) -> Due<
     }
     let object = last.main().and_then(|part| books.store.object::<MainObject>(&part.address));
     let Some(object) = object else { return Due::Making(Box::new(todo)) };
+    if let Err(error) = object.check_unit(&todo.settings.require) {
+        let outcome = Outcome::failed(error.to_string());
+        return Due::Recording(Box::new(books.record(todo, outcome, Took::default())));
+    }
     let record = judged(last, &todo, &object);
     match proved.to_decide(&record.required) {
         Some(todo) => Due::Deciding(Box::new(record), Box::new(todo)),
         None => Due::Recording(Box::new(record)),
     }
+}
+
+/// Returns true if a record that was read has these requirements. Reading may round numbers, so they are read too.
+fn has_requirements(read: &Record, require: &[Requirement]) -> bool {
+    let text = serde_json::to_string(require).expect("all keys are text");
+    serde_json::from_str::<Vec<Requirement>>(&text).is_ok_and(|require| require == read.require)
 }
 
 /// Returns the reason why a scan's file cannot be opened.
@@ -275,7 +287,7 @@ pub struct Books {
     manifest: Manifest,
     /// The content of all manifests.
     pub history: History,
-    /// Malformed manifest lines, and links that could not be created.
+    /// Malformed manifest lines, and links that could not be created or removed.
     pub warnings: Warnings,
 }
 
@@ -337,8 +349,8 @@ impl Books {
         }
     }
 
-    /// Appends a record to the manifest, and creates links to the files it names. On a file system without links that
-    /// is only a warning: the objects exist.
+    /// Appends a record to the manifest, and links exactly the files it names. On a file system without links, there is
+    /// only a warning: the objects exist.
     ///
     /// # Errors
     /// Write errors.
@@ -346,7 +358,7 @@ impl Books {
         if record.state.is_made()
             && let Err(error) = self.store.link(&record.id, &record.parts)
         {
-            self.warnings.note(format!("could not create a link: {error}"), 1);
+            self.warnings.note(format!("could not update the links: {error}"), 1);
         }
         self.manifest.add(record)?;
         self.history.add(record.clone());

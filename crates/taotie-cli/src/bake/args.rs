@@ -5,7 +5,7 @@ use crate::options::{self, fraction, positive};
 use crate::proof_args::{ProofArgs, ScanArgs};
 use crate::running::{LimitArgs, RunArgs};
 use crate::studio::{Green, Space};
-use clap::Args;
+use clap::{Args, ValueHint};
 use std::ffi::OsString;
 use std::path::PathBuf;
 use taotie::asset::{Channels, Lod, Preset, Requirement};
@@ -164,7 +164,7 @@ pub struct BakeArgs {
     /// Skew correction, so that relief on flat faces is not shifted by rays along averaged normals. auto: rays follow flat
     /// faces, except near their edges, where the scan does; keep: averaged normals everywhere; or a mask on the UVs of
     /// --low: triangle normals where white [default: auto; keep with --cage]
-    #[arg(long, value_name = "auto|keep|MASK", value_parser = clap::value_parser!(Skew), help_heading = "Rays")]
+    #[arg(long, value_name = "auto|keep|MASK", value_parser = clap::value_parser!(Skew), value_hint = ValueHint::FilePath, help_heading = "Rays")]
     pub skew: Option<Skew>,
     /// The low-poly mesh with its vertices moved outward, where projection rays start
     #[arg(long, value_name = "FILE", requires = "low", help_heading = "Rays")]

@@ -269,6 +269,18 @@ mod tests {
     }
 
     #[test]
+    fn a_mask_for_skew_correction_is_a_path_and_the_rules_are_words() {
+        let with = |skew: &str| {
+            let options = ["--skew", skew];
+            line("bake", json!({ "high": "a.ply", "output": "b.glb", "options": options }))
+        };
+        assert!(with("keep").unwrap().contains("--skew=keep "));
+        assert!(with("masks/m.png").unwrap().contains("--skew=IN/masks/m.png "));
+        assert!(with("../secret.png").unwrap_err().contains("not allowed"));
+        assert!(with("/etc/m.png").unwrap_err().contains("outside the allowed"));
+    }
+
+    #[test]
     fn no_spelling_avoids_the_check() {
         let with = |options: Value| line("render", json!({ "model": "a.glb", "options": options }));
         for options in [

@@ -286,14 +286,38 @@ mod tests {
         assert_eq!(
             paths.join(", "),
             "inspect audit, inspect model, inspect product_info, bake cage, bake high, bake low, bake output, \
-             bake provenance, bake trials, verify asset, verify output, verify scan, render base_color_map, \
-             render env, render height_map, render material, render model, render normal_map, \
-             render occlusion_map, render output"
+             bake provenance, bake skew, bake trials, verify asset, verify output, verify scan, \
+             render base_color_map, render env, render height_map, render material, render model, \
+             render normal_map, render occlusion_map, render output"
         );
         assert_eq!(
             texts.join(", "),
             "bake date, bake operator, verify date, verify operator, render animation, render aov, \
              render background, render camera, render light, render variant"
         );
+    }
+
+    /// The help of an option says that its values are files; a parser with its own type would hide it from the check.
+    #[test]
+    fn options_whose_values_are_named_after_files_take_paths() {
+        const FILES: [&str; 12] =
+            ["FILE", "FOLDER", "DIR", "PATH", "MASK", "MESH", "MODEL", "SCAN", "ASSET", "HIGH", "LOW", "OUT"];
+        let mut named = Vec::new();
+        for known in &SUBCOMMANDS {
+            let command = known.command();
+            for arg in command.get_arguments().filter(|arg| !is_flag(arg)) {
+                let names = arg.get_value_names().unwrap_or_default().iter();
+                let mut words = names.flat_map(|name| {
+                    name.as_str().split(|letter: char| !letter.is_ascii_alphanumeric() && letter != '_')
+                });
+                if words.any(|word| FILES.contains(&word)) {
+                    assert!(takes_path(arg), "{} {}", known.name, name_of(arg));
+                    named.push(name_of(arg));
+                }
+            }
+        }
+        for name in ["skew", "cage", "env", "material", "high", "model"] {
+            assert!(named.iter().any(|known| known == name), "{name} in {named:?}");
+        }
     }
 }

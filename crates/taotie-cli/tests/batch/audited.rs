@@ -30,6 +30,21 @@ fn an_audit_finds_what_was_changed() {
 }
 
 #[test]
+fn without_a_manifest_there_is_nothing_to_check() {
+    let collection = Collection::of_balls(1);
+    for is_there in [false, true] {
+        let output = collection.run("--check");
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(2) && output.stdout.is_empty(), "{stderr}");
+        assert!(stderr.contains("error: out: no manifest in this folder; run `taotie batch`"), "{stderr}");
+        assert_eq!(collection.path("out").exists(), is_there, "a check creates nothing");
+        if !is_there {
+            std::fs::create_dir(collection.path("out")).unwrap();
+        }
+    }
+}
+
+#[test]
 fn an_audit_finds_forged_figures_and_verdicts() {
     let collection = Collection::of_balls(1);
     collection.configure(&format!("require = [\"mean-angle=30\"]\n{QUICK}"));

@@ -89,6 +89,49 @@ fn requirements_are_judged_anew_without_a_bake() {
 }
 
 #[test]
+fn a_length_fails_an_asset_without_a_unit_whether_or_not_it_exists() {
+    let failure = |collection: &Collection| {
+        collection.configure(&format!("require = [\"hausdorff=0.14mm\"]\n{QUICK}"));
+        assert_eq!(collection.report("").0, Some(2));
+        let last = &collection.last()["ball0.obj"];
+        (text(last, "/state"), text(last, "/error"))
+    };
+    let collection = Collection::of_balls(1);
+    assert_eq!(collection.report("").0, Some(0));
+    let later = failure(&collection);
+    assert!(later.0 == "failed" && later.1.contains("the unit of its coordinates"), "{later:?}");
+    assert_eq!(later, failure(&Collection::of_balls(1)), "an asset that does not exist");
+    assert_eq!(number(&collection.report("").1, "/attempts"), 0.0, "reading rounds 0.14 mm in metres");
+    assert_eq!(collection.report("--check").0, Some(0));
+    collection.configure(QUICK);
+    assert_eq!(collection.report("").0, Some(0), "without the requirement, it is attempted again");
+    assert_nothing_twice(&collection.records());
+}
+
+#[cfg(unix)]
+#[test]
+fn links_of_an_earlier_bake_are_removed_and_other_files_stay() {
+    let collection = Collection::of_balls(1);
+    let folder = collection.path("out/assets/ball0.obj");
+    let names = || {
+        let entries = std::fs::read_dir(&folder).unwrap();
+        let mut names: Vec<_> =
+            entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    };
+    collection.configure(&QUICK.replace("size = 64", "size = 64\nmaps = [\"normal\", \"height\"]"));
+    assert_eq!(collection.report("").0, Some(0));
+    let first = ["ball0.glb", "ball0.height.png", "ball0.report.html", "ball0.report.json", "ball0.webp"];
+    assert_eq!(names(), first);
+    std::fs::write(folder.join("notes.txt"), "").unwrap();
+    std::os::unix::fs::symlink("../../../scans/ball0.obj", folder.join("scan.obj")).unwrap();
+    collection.configure(&format!("report = false\n{QUICK}"));
+    assert_eq!(collection.report("").0, Some(0));
+    assert_eq!(names(), ["ball0.glb", "ball0.webp", "notes.txt", "scan.obj"]);
+}
+
+#[test]
 fn without_a_size_the_smallest_asset_is_searched_for() {
     let collection = Collection::of_balls(1);
     let quick = "[verify]\npoints = 1000\nmap = 64\nview = 32\n";

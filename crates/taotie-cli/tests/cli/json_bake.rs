@@ -279,7 +279,6 @@ struct Coverage {
     missed_at: Option<[f64; 3]>,
     completeness: f64,
     hidden_of_scan: f64,
-    faint_of_scan: f64,
     is_interior: bool,
 }
 
@@ -516,7 +515,6 @@ fn of_a_pair() {
     let Coverage { missed_of_scan, missed_of_asset, completeness, hidden_of_scan, is_interior, .. } =
         level.coverage;
     assert_eq!((missed_of_scan, missed_of_asset, hidden_of_scan, is_interior), (0.0, 0.0, 0.0, false));
-    assert_eq!(level.coverage.faint_of_scan, 0.0);
     assert!(completeness > 0.5 && level.silhouette.mean_pixels <= level.silhouette.max_pixels);
     assert!(level.resolution.as_ref().is_some_and(|resolution| resolution.texel > 0.0));
     assert!(level.material.color.is_none() && level.full_views.is_empty(), "the scan has no material");

@@ -3,7 +3,7 @@
 
 use super::scan::Scan;
 use crate::error::Result;
-use crate::groups::{DisjointSets, Groups};
+use crate::groups::Groups;
 use crate::mesh::{Mesh, MeshData, Triangles, doubled_area, sample_triangles};
 use crate::parallel;
 use crate::surface;
@@ -107,18 +107,6 @@ const POINTS: usize = 4_096;
 /// Number of points examined per batch: nearly all visible shells are seen at one of the first.
 const BATCH: usize = 64;
 
-/// Returns a label for each triangle, the same for those that are connected at shared positions.
-pub(super) fn shell_labels(mesh: &Mesh) -> Vec<u32> {
-    let places = surface::by_position(mesh.positions());
-    let mut sets = DisjointSets::new(places.firsts.len());
-    for [a, b, c] in mesh.triangles().iter().map(|t| t.map(|v| places.of[v as usize])) {
-        sets.join(a, b);
-        sets.join(b, c);
-    }
-    let lowest = sets.into_lowest();
-    mesh.triangles().iter().map(|[v, ..]| lowest[places.of[*v as usize] as usize]).collect()
-}
-
 /// The connected parts of a surface, joined at shared positions, that are large enough to examine.
 #[derive(Debug)]
 pub struct Shells {
@@ -131,7 +119,7 @@ pub struct Shells {
 impl Shells {
     /// Finds the parts of a mesh; `None` unless there are at least two, since at least one is visible.
     pub fn of(mesh: &Mesh) -> Option<Self> {
-        let labels = shell_labels(mesh);
+        let labels = surface::shell_labels(mesh);
         let label = |t: usize| labels[t] as usize;
         let mut areas = vec![0.0; labels.iter().max().map_or(0, |most| *most as usize + 1)];
         (0..mesh.triangles().len()).for_each(|t| areas[label(t)] += doubled_area(mesh, t));

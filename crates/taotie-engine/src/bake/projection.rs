@@ -81,7 +81,7 @@ pub enum Target {
     SameUv(Option<Point>),
 }
 
-/// Finds parts of a scan that float above a low-poly surface, such as bolts: shells of their own, close above another
+/// Finds parts of a scan that float above a low-poly surface, such as bolts: separate shells, close above another
 /// one, that the low-poly mesh lacks.
 pub struct Floating {
     low: Bvh,
@@ -101,7 +101,7 @@ impl Floating {
         Self { low: Bvh::of(low.triangles().len(), |t| low.corners(t)), reach }
     }
 
-    /// Returns `true` if the low-poly mesh has a surface of its own between its point on a projection ray and a height
+    /// Returns `true` if the low-poly mesh has another surface between its point on a projection ray and a height
     /// above it, or slightly higher.
     fn is_modelled(&self, projection: &ProjectionRay<'_>, height: f32) -> bool {
         /// The start of the search, as a fraction of the height: the surface itself does not count.

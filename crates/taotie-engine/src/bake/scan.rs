@@ -2,7 +2,6 @@
 //! the CPU that cast rays at it.
 
 use super::appearance::{Appearance, MaterialSample};
-use super::faults::shell_labels;
 use super::sights::{Ground, SeenCells, SightLine, Sights};
 use super::texture_lookup::LookupPoint;
 use super::textured_mesh::TexturedMesh;
@@ -11,7 +10,7 @@ use crate::image::Texture;
 use crate::math::Vec3;
 use crate::mesh::{Mesh, Point};
 use crate::scene::Scene;
-use crate::surface::facet_normal;
+use crate::surface::{facet_normal, shell_labels};
 use crate::trace::{Bvh, Hit, Ray};
 use std::sync::{Arc, OnceLock};
 
@@ -289,6 +288,15 @@ impl Scan {
         self.bvh().nearest_of(ray, limit, |hit| self.is_drawn(hit.point(), toward))
     }
 
+    /// Returns the first hit below the distance `limit` that a renderer draws, but of those up to the distance `from` only
+    /// what nothing shows through.
+    pub fn first_seen_beyond(&self, ray: &Ray, (from, limit): (f32, f32)) -> Option<Hit> {
+        let toward = -ray.direction();
+        let is_solid = |hit: &Hit| self.surface().is_solid_at(hit.point());
+        let counts = |hit: &Hit| self.is_drawn(hit.point(), toward) && (hit.distance > from || is_solid(hit));
+        self.bvh().nearest_of(ray, limit, counts)
+    }
+
     /// Returns the unit normal with which a renderer shades a point, sampled at the lookup width `at.width`, for a
     /// viewer in the direction `toward`: the back of a double-sided material shows it reversed.
     ///
@@ -317,7 +325,7 @@ impl Scan {
         if !material.double_sided && !self.mesh().faces(point.triangle, toward) {
             return false;
         }
-        self.surface().is_opaque_at(point)
+        self.surface().is_shown_at(point)
     }
 }
 

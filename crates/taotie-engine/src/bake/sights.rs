@@ -97,15 +97,14 @@ impl Sights {
         Self { is_drawn: true, ..self.clone() }
     }
 
-    /// Returns `true` if only surfaces made transparent by alpha are between the ray's origin and the distance
-    /// `limit`.
+    /// Returns `true` if only surfaces that can be seen through are between the ray's origin and the distance `limit`.
     fn is_free(&self, ground: Ground<'_>, ray: &Ray, limit: f32) -> bool {
         let Ground { surface, bvh } = ground;
         let is_shown = |triangle: u32| {
             let is_front = surface.mesh().faces(triangle, ray.direction());
             !self.is_drawn || is_front || surface.material(triangle).double_sided
         };
-        !bvh.occluded(ray, limit, |hit| is_shown(hit.triangle) && surface.is_opaque_at(hit.point()))
+        !bvh.occluded(ray, limit, |hit| is_shown(hit.triangle) && surface.is_solid_at(hit.point()))
     }
 
     /// Returns the surface's diagonal, model units.

@@ -22,6 +22,9 @@ pub struct TexturedMesh {
     appearance: Appearance,
 }
 
+/// Opacity, or its difference from 1, that is hardly noticeable.
+const NOTICEABLE_ALPHA: f32 = 0.02;
+
 impl TexturedMesh {
     /// Takes over a scene, with smooth normals if it had none, and with tangents where its normal maps need them: the
     /// file's, else MikkTSpace's.
@@ -128,18 +131,31 @@ impl TexturedMesh {
         self.appearance.normal(&self.mesh, at, smooth)
     }
 
-    /// Returns `true` if alpha does not make the surface transparent at a point: it reaches a mask's cutoff, or one
-    /// half if blended.
+    /// Returns `true` if the surface can be seen at a point: alpha reaches a mask's cutoff, or is noticeable if blended.
     ///
     /// # Panics
     /// If the mesh has no such triangle.
-    pub fn is_opaque_at(&self, point: Point) -> bool {
-        const HALF: f32 = 0.5;
+    pub fn is_shown_at(&self, point: Point) -> bool {
+        self.has_alpha(point, NOTICEABLE_ALPHA)
+    }
+
+    /// Returns `true` if nothing can be seen through the surface at a point: it transmits no noticeable light, and alpha
+    /// reaches a mask's cutoff, or is hardly below 1 if blended.
+    ///
+    /// # Panics
+    /// If the mesh has no such triangle.
+    pub fn is_solid_at(&self, point: Point) -> bool {
+        let transmission = self.material(point.triangle).transmission.map_or(0.0, |layer| layer.factor);
+        transmission <= NOTICEABLE_ALPHA && self.has_alpha(point, 1.0 - NOTICEABLE_ALPHA)
+    }
+
+    /// Returns `true` if alpha reaches a mask's cutoff, or is above `least` if blended.
+    fn has_alpha(&self, point: Point, least: f32) -> bool {
         let alpha = || self.sample(LookupPoint::finest(point)).alpha;
         match self.material(point.triangle).alpha {
             AlphaMode::Opaque => true,
             AlphaMode::Mask(cutoff) => alpha() >= cutoff,
-            AlphaMode::Blend => alpha() >= HALF,
+            AlphaMode::Blend => alpha() > least,
         }
     }
 

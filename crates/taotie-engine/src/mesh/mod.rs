@@ -4,10 +4,8 @@ pub mod deform;
 mod point;
 mod repair;
 
-pub use point::{Point, TangentFrame};
-pub(crate) use point::{
-    Triangles, blend, doubled_area, each, sample_area, sample_triangles, triangle_weights,
-};
+pub use point::{Point, TangentFrame, sample_area};
+pub(crate) use point::{Triangles, blend, doubled_area, each, sample_triangles, triangle_weights};
 pub use repair::{repair, with_flat_normals};
 
 use crate::error::{Error, Result};

@@ -105,7 +105,10 @@ impl Point {
 }
 
 /// Returns a function from an index to one of `count` points spread evenly over a mesh's area; deterministic.
-pub(crate) fn sample_area(mesh: &Mesh, count: usize) -> Result<impl Fn(usize) -> Point + Sync + '_> {
+///
+/// # Errors
+/// [`crate::Error::Invalid`] if the mesh has no area.
+pub fn sample_area(mesh: &Mesh, count: usize) -> Result<impl Fn(usize) -> Point + Sync + '_> {
     sample_triangles(mesh, Triangles::Every(1), count)
 }
 

@@ -6,7 +6,6 @@ use crate::error::Result;
 use crate::math::{Vec3, scalar};
 use crate::mesh::{Mesh, Point, sample_area};
 use crate::parallel;
-use crate::scene::AlphaMode;
 use crate::trace::Ray;
 
 /// A surface farther along the line of sight than this fraction of the diagonal is another part of the object.
@@ -55,8 +54,6 @@ pub struct CloseUp {
     pub hidden: f64,
     /// The share of the area that alpha makes transparent, [0, 1].
     pub transparent: f64,
-    /// The share of the area that is transparent but drawn faintly: blended, with an opacity below one half.
-    pub faint: f64,
     /// Number of points sampled, including those not seen.
     pub points: usize,
     /// `true` if the points are those of the scan, `false` if they are the asset's.
@@ -95,7 +92,8 @@ impl<'a> Viewer<'a> {
         let line = self.own.visibility.sight_line(point)?;
         let (position, reach) = (point.position(own.mesh()), self.pair.diagonal * SAME_PART);
         let ray = view_ray(position, line.toward, line.distance);
-        let first = other.first_seen(&ray, line.distance + reach);
+        // Through glass, what is behind it is seen.
+        let first = other.first_seen_beyond(&ray, (line.distance - reach, line.distance + reach));
         let hit = first.filter(|hit| hit.distance > line.distance - reach);
         // An asset may show backs that its scan does not, unless they hide something.
         let is_extra = !self.is_of_scan && hit.is_none() && !own.mesh().faces(point.triangle, line.toward);
@@ -160,7 +158,8 @@ impl<'a> Viewer<'a> {
                 view_ray(position + (right * across + up * along) * aside, line.toward, line.distance)
             });
             let is_there = |side: &Side<'_>, ray: &Ray| {
-                let hit = side.surface.first_seen(ray, line.distance + reach);
+                let (from, limit) = (line.distance - reach, line.distance + reach);
+                let hit = side.surface.first_seen_beyond(ray, (from, limit));
                 hit.is_some_and(|hit| hit.distance > line.distance - reach)
             };
             let inside: Vec<Ray> = rays.take_while(|ray| is_there(self.own, ray)).collect();
@@ -172,16 +171,7 @@ impl<'a> Viewer<'a> {
 
     /// Returns `true` if alpha makes the sampled surface transparent at a point.
     fn is_transparent(&self, point: Point) -> bool {
-        !self.own.surface.surface().is_opaque_at(point)
-    }
-
-    /// Returns `true` if the sampled surface is transparent at a point but drawn.
-    fn is_faint(&self, point: Point) -> bool {
-        /// Opacity that is hardly noticeable.
-        const FAINT: f32 = 0.02;
-        let surface = self.own.surface.surface();
-        let is_blended = surface.material(point.triangle).alpha == AlphaMode::Blend;
-        is_blended && self.is_transparent(point) && surface.sample(LookupPoint::finest(point)).alpha > FAINT
+        !self.own.surface.surface().is_shown_at(point)
     }
 
     /// Returns the surface whose points are sampled.
@@ -212,14 +202,10 @@ impl CloseUp {
         let found: Vec<Option<SurfaceSample>> = parallel::collect(count, |i| viewer.sample(point(i)));
         let unseen = found.iter().filter(|sample| sample.is_none()).count();
         let transparent = parallel::count(count, |i| found[i].is_none() && viewer.is_transparent(point(i)));
-        let faint = match transparent {
-            0 => 0,
-            _ => parallel::count(count, |i| found[i].is_none() && viewer.is_faint(point(i))),
-        };
-        let [hidden, transparent, faint] =
-            [unseen - transparent, transparent, faint].map(|points| points as f64 / count as f64);
+        let [hidden, transparent] =
+            [unseen - transparent, transparent].map(|points| points as f64 / count as f64);
         let samples = found.into_iter().flatten().collect();
-        Ok(Self { samples, hidden, transparent, faint, points: count, is_of_scan: viewer.is_of_scan })
+        Ok(Self { samples, hidden, transparent, points: count, is_of_scan: viewer.is_of_scan })
     }
 
     /// Returns the share of the visible area whose [`SurfaceSample::is_missing`] is `true`, [0, 1].

@@ -295,7 +295,7 @@ impl Search<'_> {
     fn is_seen(&self, piece: &Piece) -> bool {
         let point = Point { triangle: piece.triangle, weights: piece.middle_weights() };
         let surface = self.from.side.surface;
-        surface.is_seen(point) && surface.surface().is_opaque_at(point)
+        surface.is_seen(point) && surface.surface().is_shown_at(point)
     }
 
     /// Returns the longest edge of a piece.

@@ -78,7 +78,7 @@ impl Picture {
     }
 }
 
-/// Compares random pixels, with 16 samples each, up to 256 for smaller pictures: of 32 fixed views in which the
+/// Compares random pixels, half of which see through glass and the like, with 16 samples each, up to 256 for smaller pictures: of 32 fixed views in which the
 /// object just fills the picture; of an interior, of views in all directions from viewpoints in its free space, with
 /// as many pixels per right angle. Textures are read at the sample spacing.
 ///
@@ -186,7 +186,8 @@ impl Pixels {
         let round = (i / eyes) as u32;
         let set = 1 + (i % eyes) as u32 + round / Sequence::MOST * eyes as u32;
         let [x, y, ..] = self.numbers.four(round % Sequence::MOST, set);
-        self.eyes[i % eyes].pixel([x, y], (self.picture, self.far))
+        let pixel = self.eyes[i % eyes].pixel([x, y], (self.picture, self.far));
+        Pixel { sees_through: round % 2 == 1, ..pixel }
     }
 }
 
@@ -235,6 +236,7 @@ impl Eye {
                     samples,
                     is_central: false,
                     limit: view.away * 2.0 + view.pixel,
+                    sees_through: false,
                 }
             }
             Self::Within(place) => {
@@ -242,7 +244,17 @@ impl Eye {
                 let right = direction.any_perpendicular();
                 let size = std::f32::consts::FRAC_PI_2 / across;
                 let steps = [right * size, direction.cross(right) * size];
-                Pixel { origin: *place, direction, steps, size, samples, is_central: true, limit: far }
+                let (is_central, sees_through) = (true, false);
+                Pixel {
+                    origin: *place,
+                    direction,
+                    steps,
+                    size,
+                    samples,
+                    is_central,
+                    limit: far,
+                    sees_through,
+                }
             }
         }
     }
@@ -268,6 +280,8 @@ struct Pixel {
     samples: u32,
     is_central: bool,
     limit: f32,
+    /// `true` if it shows what is behind everything that can be seen through.
+    sees_through: bool,
 }
 
 impl Pixel {
@@ -283,7 +297,8 @@ impl Pixel {
                 true => Ray::new(self.origin, (self.direction + step).normalize()),
                 false => Ray::new(self.origin + step, self.direction),
             };
-            let hit = side.surface.first_seen(&ray, self.limit)?;
+            let from = if self.sees_through { self.limit } else { 0.0 };
+            let hit = side.surface.first_seen_beyond(&ray, (from, self.limit))?;
             (nearest, farthest) = (nearest.min(hit.distance), farthest.max(hit.distance));
             let at = LookupPoint { point: hit.point(), width: self.size_at(hit.distance) / count as f32 };
             samples.push(Sample { at, toward: -ray.direction() });

@@ -30,7 +30,7 @@ pub use normals::{facet_normal, vertex_normals, with_normals};
 pub(crate) use normals::{mean_by_position, shared_by_position, with_normals_at};
 pub(crate) use tangents::{NO_UV_AREA, with_frames_at};
 pub use tangents::{TangentMethod, Tangented, tangent_bytes, with_frames, with_tangents};
-pub use weld::{Classes, bits, by_position};
+pub use weld::{Classes, bits, by_position, shell_labels};
 pub use winding::Opposed;
 
 use crate::names::Named;

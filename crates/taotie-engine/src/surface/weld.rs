@@ -1,6 +1,8 @@
-//! Finds equal elements: the basis of every weld.
+//! Finds equal elements, the basis of every weld, and the shells that they connect.
 
+use crate::groups::DisjointSets;
 use crate::math::Vec3;
+use crate::mesh::Mesh;
 use crate::parallel;
 use rayon::prelude::*;
 use rustc_hash::FxBuildHasher;
@@ -125,6 +127,18 @@ pub fn bits<const N: usize>(values: [f32; N]) -> [u32; N] {
 /// The classes of equal positions.
 pub fn by_position(positions: &[Vec3]) -> Classes {
     Classes::by(positions.len(), |i| bits(positions[i].to_array()))
+}
+
+/// Returns a label for each triangle, the same for those that are connected at shared positions.
+pub fn shell_labels(mesh: &Mesh) -> Vec<u32> {
+    let places = by_position(mesh.positions());
+    let mut sets = DisjointSets::new(places.firsts.len());
+    for [a, b, c] in mesh.triangles().iter().map(|t| t.map(|v| places.of[v as usize])) {
+        sets.join(a, b);
+        sets.join(b, c);
+    }
+    let lowest = sets.into_lowest();
+    mesh.triangles().iter().map(|[v, ..]| lowest[places.of[*v as usize] as usize]).collect()
 }
 
 #[cfg(test)]

@@ -15,7 +15,8 @@ use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
 use serde_json::Value;
 use std::cmp::Ordering;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 use taotie_engine::error::{Result, Warnings};
 use taotie_engine::image::Bitmap;
@@ -42,13 +43,11 @@ pub(crate) struct StoredVertices {
     pub primitives: Vec<StoredPrimitive>,
 }
 
-/// A primitive on shared vertices.
+/// Triangles on shared vertices, of one primitive or of several.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct StoredPrimitive {
-    /// The index of its mesh in the file.
-    pub mesh: usize,
-    /// Its index in the mesh.
-    pub primitive: usize,
+    /// The primitives of the file: the index of the mesh, and of the primitive in it.
+    pub places: Vec<[usize; 2]>,
     pub triangles: Vec<[u32; 3]>,
 }
 
@@ -95,7 +94,7 @@ impl Reader<'_> {
                 // A primitive that cannot be read stays unchanged.
                 let Ok(Some(triangles)) = self.triangles(typed, json, &mut budget) else { continue };
                 let key = format!("{} {}", json["attributes"], json["targets"]);
-                let primitive = StoredPrimitive { mesh, primitive, triangles };
+                let primitive = StoredPrimitive { places: vec![[mesh, primitive]], triangles };
                 match found.get_mut(&key) {
                     Some(vertices) => vertices.primitives.push(primitive),
                     None => {
@@ -107,8 +106,8 @@ impl Reader<'_> {
         }
         let mut all: Vec<StoredVertices> =
             found.into_values().filter_map(StoredVertices::compacted).collect();
-        all.sort_by_key(|vertices| vertices.primitives.first().map(|first| (first.mesh, first.primitive)));
-        all
+        all.sort_by_key(StoredVertices::first_place);
+        joined(all)
     }
 
     /// Returns the triangles of a primitive; `None` if it has none, or is packed by an extension.
@@ -173,7 +172,56 @@ impl Reader<'_> {
     }
 }
 
+/// Joins vertices that are equal, and their primitives with equal triangles: files often repeat a shape for each of its
+/// materials.
+fn joined(all: Vec<StoredVertices>) -> Vec<StoredVertices> {
+    let mut joined: Vec<StoredVertices> = Vec::with_capacity(all.len());
+    let mut known: HashMap<u64, Vec<usize>> = HashMap::new();
+    for vertices in all {
+        let same = known.entry(vertices.hash()).or_default();
+        match same.iter().find(|own| joined[**own].has_vertices_of(&vertices)) {
+            Some(own) => joined[*own].primitives.extend(vertices.primitives),
+            None => {
+                same.push(joined.len());
+                joined.push(vertices);
+            }
+        }
+    }
+    joined.iter_mut().for_each(StoredVertices::join_primitives);
+    joined
+}
+
 impl StoredVertices {
+    fn first_place(&self) -> Option<[usize; 2]> {
+        self.primitives.first()?.places.first().copied()
+    }
+
+    fn hash(&self) -> u64 {
+        let mut hasher = DefaultHasher::new();
+        let all = self.attributes.iter().chain(self.targets.iter().flatten());
+        all.for_each(|attribute| (&attribute.name, &attribute.elements.bytes).hash(&mut hasher));
+        hasher.finish()
+    }
+
+    fn has_vertices_of(&self, other: &Self) -> bool {
+        (&self.attributes, &self.targets) == (&other.attributes, &other.targets)
+    }
+
+    fn join_primitives(&mut self) {
+        let mut first: HashMap<Vec<[u32; 3]>, usize> = HashMap::new();
+        let mut joined: Vec<StoredPrimitive> = Vec::with_capacity(self.primitives.len());
+        for primitive in std::mem::take(&mut self.primitives) {
+            match first.get(&primitive.triangles) {
+                Some(own) => joined[*own].places.extend(primitive.places),
+                None => {
+                    first.insert(primitive.triangles.clone(), joined.len());
+                    joined.push(primitive);
+                }
+            }
+        }
+        self.primitives = joined;
+    }
+
     /// Removes vertices that no triangle uses, and merges those that are equal in every attribute; returns `None` if
     /// no triangle is left.
     fn compacted(mut self) -> Option<Self> {

@@ -4,7 +4,6 @@ use crate::gltf_read::instanced;
 use crate::{common, files};
 #[cfg(feature = "webp")]
 use std::sync::Arc;
-#[cfg(feature = "avif")]
 use taotie_engine::Warnings;
 #[cfg(feature = "webp")]
 use taotie_engine::image::Bitmap;
@@ -14,7 +13,7 @@ use taotie_engine::math::Vec3;
 use taotie_engine::mesh::Mesh;
 use taotie_engine::scene::{AlphaMode, Instance, Material, Scene, SceneData, TextureRef, UvTransform};
 use taotie_io::{CodecSet, GltfPacker, GltfSource, Limits, Loaded, PackedGeometry, PackedImage, load_model};
-use taotie_io::{GltfAsset, GltfFormat, GltfMaterial, encode_glb, encode_scene_as};
+use taotie_io::{GltfAsset, GltfFormat, GltfMaterial, encode_glb, encode_scene, encode_scene_as};
 #[cfg(feature = "webp")]
 use taotie_io::{ImageCodec, decode_bitmap};
 
@@ -96,6 +95,44 @@ fn fewer_triangles_stay_on_the_surface() {
         count += usize::from(10 * triangles <= 6 * all);
     }
     assert!(count > 3 || common::data_folder(FOLDERS[0]).is_none(), "{count}");
+}
+
+#[test]
+fn what_moves_keeps_its_triangles() {
+    let mut count = 0;
+    for (path, own) in every_file().filter(|(_, own)| own.moving.is_some()) {
+        let packer = GltfPacker::open(GltfSource::File(&path), &Limits::default()).unwrap();
+        let (_, loaded) = packed(&packer, PackedGeometry { kept: 0.1, ..PackedGeometry::default() }, &[]);
+        assert_eq!(own.scene.triangle_count(), loaded.scene.triangle_count(), "{}", path.display());
+        count += 1;
+    }
+    assert!(count > 0 || common::data_folder(FOLDERS[0]).is_none());
+}
+
+/// A file may have a shape once for each of its materials.
+#[test]
+fn equal_shapes_are_stored_once() {
+    let bytes = |count: usize| {
+        let meshes = vec![Mesh::sphere(1.0, 64, 32); count];
+        let material = |i: usize| Material { roughness: 0.1 * i as f32, ..Material::default() };
+        let world_from_object = |i: usize| Mat4::translation(Vec3::new(3.0 * i as f64, 0.0, 0.0));
+        let instance = |i: usize| Instance { mesh: i, material: i, world_from_object: world_from_object(i) };
+        let scene = SceneData {
+            meshes,
+            materials: (0..count).map(material).collect(),
+            instances: (0..count).map(instance).collect(),
+            ..SceneData::default()
+        };
+        let file = encode_scene(&Scene::new(scene).unwrap(), &[], &mut Warnings::default()).unwrap();
+        let packer = GltfPacker::open(GltfSource::Glb(&file), &Limits::default()).unwrap();
+        let (bytes, loaded) = packed(&packer, PackedGeometry { kept: 0.3, ..PackedGeometry::default() }, &[]);
+        assert_eq!(loaded.scene.instances().len(), count);
+        let triangles = |mesh: &Mesh| mesh.triangles().len();
+        assert!(loaded.scene.meshes().iter().all(|mesh| triangles(mesh) < 2_500));
+        bytes.len()
+    };
+    let (one, five) = (bytes(1), bytes(5));
+    assert!(five < one + 2_500, "{five} of five, {one} of one");
 }
 
 /// A ball with a texture whose texels are half transparent, in a material of this mode, as GLB.

@@ -78,7 +78,7 @@ impl Model {
     /// direction.
     pub fn hides(&self, from: Vec3<f64>, to: Vec3<f64>, limit: f32) -> bool {
         let ray = Ray::new(from.to_f32(), to.to_f32());
-        self.bvh.occluded(&ray, limit, |hit| self.surface.is_opaque_at(hit.point()))
+        self.bvh.occluded(&ray, limit, |hit| self.surface.is_solid_at(hit.point()))
     }
 
     /// Returns the first triangle that a ray from `eye` meets.

@@ -102,7 +102,7 @@ fn white_vertex_colors_are_no_appearance() {
     let (low, high) = plate(0.01);
     let scan = scan_of(high);
     is_colored(&onto(&scan, colored(low.clone(), [1.0; 4]), 256), &scan);
-    // Distances are no appearance either.
+    // Neither are distances.
     let ray_colors = |new_uvs: bool| {
         let low = Some(mesh(colored(low.clone(), [0.5, 0.0, 0.0, 1.0])));
         baked(&scan, BakeOptions { low, ray_colors: true, new_uvs, ..BakeOptions::default() })

@@ -5,9 +5,9 @@ use crate::pairs::{ball, changed, direction, first_texture, grid, is_bad, is_sou
 use taotie::asset::{Figure, Requirement, Scan};
 use taotie_engine::Progress;
 use taotie_engine::image::{Bitmap, Encoding, Texels, Texture};
-use taotie_engine::math::{Vec2, Vec3};
+use taotie_engine::math::{Mat4, Vec2, Vec3};
 use taotie_engine::mesh::{Mesh, MeshData};
-use taotie_engine::scene::{AlphaMode, Material, Scene};
+use taotie_engine::scene::{AlphaMode, Instance, Material, Scene, Transmission};
 
 fn shown(data: MeshData, material: Material) -> Scene {
     Scene::of_mesh(scan_of(data).mesh().clone(), material).unwrap()
@@ -78,20 +78,72 @@ fn a_body_that_is_opaque_instead_of_translucent() {
     let translucent = scan(&of(0.7));
     is_sound(&of(0.7), &translucent);
     is_bad(&of(1.0), &translucent, (&["mean-color"], "colours are off"));
-    // A body that is more transparent than opaque is not compared, which a warning states.
-    let faint = proof(&of(0.3), &scan(&of(0.3)), Vec::new());
-    let warnings: Vec<&str> = faint.warnings.iter().map(|(what, _)| what).collect();
-    assert!(
-        warnings.iter().any(|what| what.starts_with("100.0 % of the scan's area is more transparent")),
-        "{warnings:?}"
-    );
-    assert!(!warnings.iter().any(|what| what.contains("cannot be seen")), "{warnings:?}");
+    // So is a faint one.
+    let faint = scan(&of(0.3));
+    is_sound(&of(0.3), &faint);
+    is_bad(&of(0.4), &faint, (&["mean-color"], "colours are off"));
+    // Blending of opaque surface changes no figure, but its order in viewers.
+    let solid = |alpha: AlphaMode| changed(&of(1.0), |data| data.materials[0].alpha = alpha);
+    let blended = proof(&solid(AlphaMode::Blend), &scan(&solid(AlphaMode::Opaque)), Vec::new());
+    assert!(blended.warnings.iter().any(|(what, _)| what.contains("although nothing shows through it")));
+}
+
+/// A ball of this size around the middle.
+fn ball_of(radius: f32) -> MeshData {
+    crate::pairs::moved(ball([48, 24], |_, _| 0.0), |p| p * radius)
+}
+
+/// A small ball in a large one of this material.
+fn in_a_case(case: Material) -> Scene {
+    let exhibit = shown(ball_of(0.4), Material::default());
+    crate::pairs::with_part(&shown(ball_of(1.0), case), exhibit.meshes()[0].clone())
+}
+
+#[test]
+fn what_is_seen_through_glass() {
+    let blended = |opacity: f32| Material {
+        base_color: [0.9, 0.9, 0.9, opacity],
+        alpha: AlphaMode::Blend,
+        ..Material::default()
+    };
+    let transmission = Some(Transmission { factor: 1.0, ..Transmission::default() });
+    for glass in [blended(0.1), blended(0.6), Material { transmission, ..Material::default() }] {
+        let behind_glass = in_a_case(glass.clone());
+        let whole = scan(&behind_glass);
+        is_sound(&behind_glass, &whole);
+        // Only the case, opaque or as it is; only the exhibit.
+        for case in [Material::default(), glass] {
+            is_bad(&shown(ball_of(1.0), case), &whole, (&["missed"], "no counterpart on the asset"));
+        }
+        is_bad(
+            &shown(ball_of(0.4), Material::default()),
+            &whole,
+            (&["missed"], "no counterpart on the asset"),
+        );
+    }
+}
+
+#[test]
+fn shells_that_only_the_asset_has() {
+    let body = shown(ball_of(1.0), Material { base_color: [0.5, 0.4, 0.3, 1.0], ..Material::default() });
+    let shell = Material {
+        base_color: [0.8, 0.0, 0.0, 0.49],
+        alpha: AlphaMode::Blend,
+        double_sided: true,
+        ..Material::default()
+    };
+    let covered = changed(&body, |data| {
+        data.meshes.push(Mesh::new(ball_of(1.01)).unwrap());
+        data.materials.push(shell);
+        data.instances.push(Instance { mesh: 1, material: 1, world_from_object: Mat4::IDENTITY });
+    });
+    is_bad(&covered, &scan(&body), (&["mean-color", "patch-color"], "colours are off"));
 }
 
 /// A ball whose texture holds occlusion, roughness and metallic, given at each of its columns, [0, 1].
 fn inlaid(numbers: impl Fn(u32) -> [u8; 3]) -> Scene {
     const COLUMNS: u32 = 64;
-    let texels = (0..COLUMNS).map(|x| numbers(x)).map(|[r, g, b]| [r, g, b, u8::MAX]).collect();
+    let texels = (0..COLUMNS).map(numbers).map(|[r, g, b]| [r, g, b, u8::MAX]).collect();
     let bitmap = Bitmap::new(COLUMNS, 1, 3, Texels::U8(texels)).unwrap();
     let body = shown(ball([64, 32], |_, _| 0.0), Material::default());
     changed(&body, |data| {

@@ -53,6 +53,7 @@ fn paths_outside_the_folder_are_refused() {
         json!(["--cage", outside, "--low", "scan.obj"]),
         json!([format!("--trials={}", place.path("out/t.csv").display())]),
         json!(["--provenance", outside]),
+        json!(["--low", "scan.obj", "--skew", outside]),
         json!(["--allow-outside"]),
         json!(["--output", new]),
         json!(["--", outside]),

@@ -202,9 +202,6 @@ pub struct Coverage {
     pub completeness: f64,
     /// The share of the scan's area that cannot be seen: hidden walls, ghost layers, duplicate shells, closed cavities.
     pub hidden_of_scan: f64,
-    /// The share of the scan's area that is blended with an opacity below one half, which is not compared.
-    #[serde(default)]
-    pub faint_of_scan: f64,
     /// `true` if the scan is an interior, seen from within: a room, a tomb, a cave.
     pub is_interior: bool,
 }

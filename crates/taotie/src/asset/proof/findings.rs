@@ -9,13 +9,14 @@ use crate::asset::ask::{Figure, Requirement};
 use crate::asset::bake::{INSIDE_OUT, percent, useless_map};
 use crate::asset::source::{Property, is_plain, used_materials};
 use crate::asset::write::MapNote;
-use taotie_engine::bake::TexturedMesh;
+use taotie_engine::bake::{LookupPoint, Scan, TexturedMesh};
 use taotie_engine::error::Warnings;
 use taotie_engine::length::{Unit, place_text, texel_text};
 use taotie_engine::math::Vec3;
+use taotie_engine::mesh::sample_area;
 use taotie_engine::names::Named;
 use taotie_engine::proof::Mismatch;
-use taotie_engine::scene::{LAYERS, Material, Scene, Specular};
+use taotie_engine::scene::{AlphaMode, LAYERS, Material, Scene, Specular};
 
 /// Shares of the area below this are noise: folds, thin cracks.
 const WORTH_A_WORD: f64 = 0.01;
@@ -44,11 +45,66 @@ pub(super) fn note_whole(all: &Figures, level: &ShownLevel<'_>, warnings: &mut W
             1,
         );
     }
+    note_ambient(&level.surface, level.scan(), warnings);
     if level.parts.iter().any(|part| part.has_relief)
         && let (Some(with), Some(without)) = (&figures.surface_angles, &figures.without_map)
         && let Some(what) = useless_map(with, without)
     {
         warnings.note(what, 1);
+    }
+}
+
+/// Notes what no figure shows: occlusion that only the asset has, if it is dark, and blending of opaque surface, which
+/// viewers sort wrongly.
+fn note_ambient(asset: &Scan, scan: &Scan, warnings: &mut Warnings) {
+    /// The mean light that baked occlusion hardly ever goes below.
+    const DARK: f64 = 0.5;
+    let [of_asset, of_scan] = [asset, scan].map(|surface| Ambient::of(surface.surface()));
+    if of_asset.occlusion < DARK && of_scan.occlusion == 1.0 {
+        let what = format!(
+            "the asset's occlusion texture, which the scan lacks, leaves {} of ambient light on average",
+            percent(of_asset.occlusion)
+        );
+        warnings.note(what, 1);
+    }
+    if of_asset.needlessly_blended - of_scan.needlessly_blended > WORTH_A_WORD {
+        let what = format!(
+            "{} of the asset's surface is blended (alphaMode BLEND) although nothing shows through it: viewers may draw              far parts over near ones",
+            percent(of_asset.needlessly_blended)
+        );
+        warnings.note(what, 1);
+    }
+}
+
+/// Properties of a surface that figures do not compare.
+struct Ambient {
+    /// The mean occlusion, 1 where there is no texture of it.
+    occlusion: f64,
+    /// The share of the area whose materials are blended although all of their surface is solid.
+    needlessly_blended: f64,
+}
+
+impl Ambient {
+    fn of(surface: &TexturedMesh) -> Self {
+        const POINTS: usize = 2_000;
+        let none = Self { occlusion: 1.0, needlessly_blended: 0.0 };
+        let triangles = 0..surface.mesh().triangles().len() as u32;
+        let concerns =
+            |material: &Material| material.occlusion_texture.is_some() || material.alpha == AlphaMode::Blend;
+        if !triangles.clone().any(|t| concerns(surface.material(t))) {
+            return none;
+        }
+        let Ok(point) = sample_area(surface.mesh(), POINTS) else { return none };
+        let (mut occlusion, mut blended, mut is_seen_through) = (0.0, 0, false);
+        for point in (0..POINTS).map(point) {
+            occlusion += f64::from(surface.sample(LookupPoint::finest(point)).occlusion);
+            if surface.material(point.triangle).alpha == AlphaMode::Blend {
+                blended += 1;
+                is_seen_through |= !surface.is_solid_at(point);
+            }
+        }
+        let share = if is_seen_through { 0.0 } else { f64::from(blended) / POINTS as f64 };
+        Self { occlusion: occlusion / POINTS as f64, needlessly_blended: share }
     }
 }
 
@@ -152,13 +208,6 @@ fn note_coverage(coverage: &Coverage, warnings: &mut Warnings) {
         let what = format!(
             "{share} of the scan's area cannot be seen (hidden walls, ghost layers, duplicate shells or cavities) and is not \
              compared"
-        );
-        warnings.note(what, 1);
-    }
-    if coverage.faint_of_scan > WORTH_A_WORD {
-        let share = percent(coverage.faint_of_scan);
-        let what = format!(
-            "{share} of the scan's area is more transparent than opaque (blended alpha below 0.5) and is not compared"
         );
         warnings.note(what, 1);
     }
@@ -367,7 +416,9 @@ fn layers([scan, asset]: [&Scene; 2]) -> Vec<(&'static str, Option<&'static str>
         )
     });
     let reflection = [scan, asset].map(|scene| used_materials(scene).any(reflects));
-    let all = found.chain([("specular strength and index of refraction", reflection)]);
+    // Bakes leave a scan's lights out.
+    let lights = [false, scan.lights().is_empty() && !asset.lights().is_empty()];
+    let all = found.chain([("specular strength and index of refraction", reflection), ("lights", lights)]);
     all.filter(|(_, has)| has.contains(&true))
         .map(|(name, has)| match has {
             [true, true] => (name, None),

@@ -362,7 +362,6 @@ fn coverage(pair: &Pair<'_>, [of_scan, of_asset]: [&CloseUp; 2]) -> Coverage {
         missed_at: most_missing(worse),
         completeness: near as f64 / of_scan.samples.len().max(1) as f64,
         hidden_of_scan: of_scan.hidden,
-        faint_of_scan: of_scan.faint,
         is_interior: pair.scan.visibility.is_interior(),
     }
 }

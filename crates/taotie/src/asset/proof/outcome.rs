@@ -466,7 +466,7 @@ mod tests {
         plain.overview.color = None;
         let standard = Requirement::read("standard").unwrap();
         let count = |level: LevelFigures| figures(vec![level]).evaluate(&standard).len();
-        assert_eq!((count(plain.clone()), count(colored.clone())), (5, 7));
+        assert_eq!((count(plain.clone()), count(colored.clone())), (5, 9));
         assert!(figures(vec![plain]).evaluate(&standard).iter().all(|met| met.met));
         let met = figures(vec![colored]).evaluate(&standard);
         assert!(!met[6].met && met[6].value.is_none(), "no patch of colours was measured: {met:?}");

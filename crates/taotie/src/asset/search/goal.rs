@@ -424,17 +424,17 @@ mod tests {
         let angle = |i: u32| if i < 99 { (i + 1) as f32 * 0.01 } else { 20.0 };
         let angles: Vec<f32> = (0..1_000_000).map(|i| angle(i / 10_000)).collect();
         let colors = angles.iter().map(|v| v * 2.0).collect();
-        PixelDifferences { colors, angles, numbers: vec![0.0], missing: 0.0 }
+        PixelDifferences { colors, angles, materials: vec![0.0], missing: 0.0 }
     }
 
     #[test]
     fn the_worst_limit_decides() {
-        let (angle, color) = goal(&["mean-angle=1", "mean-color=2"]).ratios(&seen(), [None; 2]);
+        let (angle, color) = goal(&["mean-angle=1", "mean-color=2"]).ratios(&seen(), [None; 3]);
         assert!((angle - 0.7).abs() < 6e-3 && (color.unwrap() - 0.7).abs() < 6e-3, "{angle} {color:?}");
-        assert!((goal(&["mean-angle=1", "p95-angle=0.48"]).ratios(&seen(), [None; 2]).0 - 2.0).abs() < 3e-2);
-        assert!((goal(&["patch-angle=5"]).ratios(&seen(), [None; 2]).0 - 4.0).abs() < 1e-6);
-        assert_eq!(goal(&["patch-angle=5"]).ratios(&seen(), [Some(10.0), None]).0, 2.0);
-        let (_, color) = goal(&["within-1dE=50%"]).ratios(&seen(), [None; 2]);
+        assert!((goal(&["mean-angle=1", "p95-angle=0.48"]).ratios(&seen(), [None; 3]).0 - 2.0).abs() < 3e-2);
+        assert!((goal(&["patch-angle=5"]).ratios(&seen(), [None; 3]).0 - 4.0).abs() < 1e-6);
+        assert_eq!(goal(&["patch-angle=5"]).ratios(&seen(), [Some(10.0), None, None]).0, 2.0);
+        let (_, color) = goal(&["within-1dE=50%"]).ratios(&seen(), [None; 3]);
         assert!((color.unwrap() - 1.02).abs() < 2e-2, "{color:?}");
     }
 
@@ -463,12 +463,12 @@ mod tests {
         let (lossless, wanted) =
             (Goal::of(&[], 0), goal(&["mean-angle@0=4", "flip=0.1", "mean-angle@1=0.1"]));
         assert_eq!(
-            wanted.ratios(&seen(), [None; 2]).1.map(|ratio| ratio * 2.0),
-            lossless.ratios(&seen(), [None; 2]).1
+            wanted.ratios(&seen(), [None; 3]).1.map(|ratio| ratio * 2.0),
+            lossless.ratios(&seen(), [None; 3]).1
         );
         assert_eq!(
-            goal(&["mean-angle=0.1"]).ratios(&seen(), [None; 2]).1,
-            lossless.ratios(&seen(), [None; 2]).1
+            goal(&["mean-angle=0.1"]).ratios(&seen(), [None; 3]).1,
+            lossless.ratios(&seen(), [None; 3]).1
         );
         assert!((wanted.ratio_of_mean(1.0) - 0.25).abs() < 1e-9, "only of level 0");
     }
@@ -477,7 +477,7 @@ mod tests {
     fn what_lacks_a_part_is_not_near() {
         let lacks = |missing: f64| PixelDifferences { missing, ..seen() };
         let loose = |more: &'static str| goal(&["mean-angle=90", "p95-angle=90", "patch-angle=90", more]);
-        let ratio = |goal: Goal, missing: f64| goal.ratios(&lacks(missing), [None; 2]).0;
+        let ratio = |goal: Goal, missing: f64| goal.ratios(&lacks(missing), [None; 3]).0;
         assert!(ratio(loose("flip=1"), 0.009) < 1.0 && ratio(loose("flip=1"), 0.011) > 1.0);
         assert!(ratio(loose("missed=0.1%"), 0.0009) < 1.0);
         assert!((ratio(loose("missed=0.1%").times(9.0), 0.002) - 2.0).abs() < 1e-9);
@@ -485,7 +485,7 @@ mod tests {
 
     #[test]
     fn nothing_to_compare_is_not_near() {
-        assert_eq!(Goal::of(&[], 0).ratios(&PixelDifferences::default(), [None; 2]), (f64::INFINITY, None));
+        assert_eq!(Goal::of(&[], 0).ratios(&PixelDifferences::default(), [None; 3]), (f64::INFINITY, None));
     }
 
     #[test]

@@ -5,8 +5,8 @@ use super::goal::{Ceilings, Goal, Level};
 use super::packed::packer;
 use super::smallest::{PackedAsset, Smallest, smallest};
 use super::workshop::{Shape, Subject, Workshop, encoded_mesh};
-use crate::asset::ask::{BakeOptions, Lod};
-use crate::asset::bake::{Coarser, LevelLook, MadeAsset, Recipe, Rounding, StoredMaps, bake_maps};
+use crate::asset::ask::{BakeOptions, Figure, Lod, Requirement};
+use crate::asset::bake::{Coarser, LevelLook, MadeAsset, Recipe, Rounding, StoredMaps, Trial, bake_maps};
 use crate::asset::source::{
     Base, KeptTextures, LowPoly, Pair, RayLength, Rays, Scan, assign_object_map, low_poly,
 };
@@ -64,12 +64,13 @@ pub(in crate::asset) fn make_levels(
         let listener = |_: &'static str, _: f64| stage.at(i as f64 / lods.len() as f64).is_ok();
         let progress = Progress::new(&listener);
         let number = found.len() + 1;
+        let before = found.last().map_or(maker.triangles(), |level: &Coarser| level.mesh.triangles().len());
+        let most = most_triangles(*wanted, (before, maker.is_named()));
         let made = match *wanted {
             Lod::Triangles(count) => maker.of_triangles((number, count), progress),
-            Lod::Pixels(across) => maker.for_pixels(Level { number, across }, progress),
+            Lod::Pixels(across) => maker.for_pixels((Level { number, across }, most), progress),
         };
-        let before = found.last().map_or(maker.triangles(), |level: &Coarser| level.mesh.triangles().len());
-        let checked = made.and_then(|level| light(*wanted, level, (before, maker.is_named())));
+        let checked = made.and_then(|level| light(*wanted, level, (most, before)));
         match checked {
             Ok(level) => {
                 note(*wanted, &level, &mut warnings);
@@ -84,14 +85,19 @@ pub(in crate::asset) fn make_levels(
     Ok((found, warnings))
 }
 
-/// Returns a level if it is lighter than the one before; much lighter, if no requirement names levels.
-fn light(wanted: Lod, level: Coarser, (before, is_named): (usize, bool)) -> Result<Coarser> {
+/// Returns the maximum number of triangles of a level: fewer than the one before has; far fewer, if no requirement names
+/// levels.
+fn most_triangles(wanted: Lod, (before, is_named): (usize, bool)) -> usize {
+    match wanted {
+        Lod::Pixels(_) if !is_named => (LIGHTER * before as f64) as usize,
+        _ => before.saturating_sub(1),
+    }
+}
+
+/// Returns a level if it has at most `most` triangles.
+fn light(wanted: Lod, level: Coarser, (most, before): (usize, usize)) -> Result<Coarser> {
     let triangles = level.mesh.triangles().len();
-    let is_light = match wanted {
-        Lod::Pixels(_) if !is_named => triangles as f64 <= LIGHTER * before as f64,
-        _ => triangles < before,
-    };
-    match is_light {
+    match triangles <= most {
         true => Ok(level),
         false => Err(Error::invalid(
             format!("the level of detail {wanted}"),
@@ -282,25 +288,26 @@ impl<'a> LevelMaker<'a> {
         Ok(Coarser { mesh, look, across: across.max(Lod::LEAST), is_near: across > 0 })
     }
 
-    /// Makes the lightest level that meets the limits at this size in pixels: from the finest one's triangles, or
-    /// from scratch.
+    /// Makes the lightest level that meets the limits at this size in pixels: from the finest one's triangles, or from
+    /// scratch with at most `most` triangles.
     ///
     /// # Errors
     /// [`Error::Invalid`] if nothing meets them there.
-    pub fn for_pixels(&self, level: Level, progress: Progress<'_>) -> Result<Coarser> {
+    pub fn for_pixels(&self, (level, most): (Level, usize), progress: Progress<'_>) -> Result<Coarser> {
         let simplified = match self.source {
             Source::Bare => None,
             _ => self.lightest(level, progress)?,
         };
         let fresh = match self.finest {
             Finest::Made { .. } if self.recipe.options.searches() => {
-                self.made_from_scratch(level, progress)?
+                self.made_from_scratch((level, most), progress)?
             }
             _ => None,
         };
         let best = match (simplified, fresh) {
             (Some(simplified), Some((made, bytes))) => {
-                let is_lighter = self.added_bytes(&simplified.mesh)? <= bytes;
+                let is_light = simplified.mesh.triangles().len() <= most;
+                let is_lighter = is_light && self.added_bytes(&simplified.mesh)? <= bytes;
                 Some(if is_lighter { simplified } else { made })
             }
             (simplified, made) => simplified.or(made.map(|(made, _)| made)),
@@ -436,9 +443,17 @@ impl<'a> LevelMaker<'a> {
     }
 
     /// Searches for a separate mesh and maps, and also returns their bytes; `None` if nothing meets the limits.
-    fn made_from_scratch(&self, level: Level, progress: Progress<'_>) -> Result<Option<(Candidate, u64)>> {
-        let found = smallest(self.recipe, (self.scan, level), progress)?;
-        let chosen = found.trials.iter().find(|trial| trial.is_chosen).filter(|trial| trial.is_near);
+    fn made_from_scratch(
+        &self,
+        (level, most): (Level, usize),
+        progress: Progress<'_>,
+    ) -> Result<Option<(Candidate, u64)>> {
+        let ceiling = Requirement::of(Figure::Triangles, most as f64);
+        let goal = self.recipe.options.limits().into_iter().chain([ceiling]).collect();
+        let options = BakeOptions { goal: Some(goal), ..self.recipe.options.clone() };
+        let found = smallest(Recipe { options: &options, ..self.recipe }, (self.scan, level), progress)?;
+        let is_good = |trial: &&Trial| trial.is_near && trial.is_within();
+        let chosen = found.trials.iter().find(|trial| trial.is_chosen).filter(is_good);
         let (Some(chosen), Smallest::Made(made)) = (chosen, found.smallest) else { return Ok(None) };
         Ok(Some((Candidate { mesh: made.low.mesh.clone(), look: LevelLook::Own(made) }, chosen.bytes)))
     }

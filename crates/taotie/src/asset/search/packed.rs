@@ -171,7 +171,7 @@ impl PackedScan<'_, '_> {
         let floor = (whole.angle_ratio * whole.angle_ratio - base.squared).max(0.0);
         let bits = self.bits()?;
         let (mut errors, mut bytes, mut colors) = (Curve::default(), Curve::default(), Curve::default());
-        let (mut kept, mut before) = (1.0, usize::MAX);
+        let (mut kept, mut before, mut least_kept) = (1.0, usize::MAX, LEAST_KEPT);
         loop {
             let fewer = PackedGeometry { kept, ..WHOLE };
             let trial = if kept < 1.0 { self.trial(fewer, &base.of, best)? } else { whole };
@@ -179,8 +179,11 @@ impl PackedScan<'_, '_> {
             errors.add(kept, squared.max(floor).sqrt());
             bytes.add(kept, trial.bytes as f64 - base.bytes);
             colors.add(kept, trial.color_ratio.unwrap_or_default());
-            let is_far = trial.angle_ratio > FAR || kept <= LEAST_KEPT;
-            if is_far || trial.triangles >= before {
+            if trial.triangles >= before {
+                least_kept = kept * 2.0;
+                break;
+            }
+            if trial.angle_ratio > FAR || kept <= LEAST_KEPT {
                 break;
             }
             before = trial.triangles;
@@ -189,7 +192,7 @@ impl PackedScan<'_, '_> {
         let has_textures = !self.encodings.is_empty();
         let most_kept =
             (self.workshop.ceilings.most_triangles(has_textures) / whole.triangles as f64).min(1.0);
-        let mut forecast = Forecast { maps, bits, errors, bytes, colors, floor, most_kept };
+        let mut forecast = Forecast { maps, bits, errors, bytes, colors, floor, least_kept, most_kept };
         self.close_in(&mut forecast, best)?;
         for most in &COLOR_SHARES[1..] {
             let lossier = self.chosen(Encoding::Srgb, *most)?;
@@ -391,6 +394,8 @@ struct Forecast {
     floor: f64,
     /// The ratio of colours over the fraction of triangles.
     colors: Curve,
+    /// The fraction of the triangles below which no more are removed: those of parts that move stay.
+    least_kept: f64,
     /// The fraction of the triangles within the ceiling.
     most_kept: f64,
 }
@@ -433,10 +438,10 @@ impl Forecast {
         if squared < self.floor {
             return None;
         }
-        let range = [LEAST_KEPT, 1.0];
+        let range = [self.least_kept, 1.0];
         let found = self.errors.first_within(squared.sqrt(), range).unwrap_or(1.0);
         let with_colors = self.colors.first_within(1.0, range).unwrap_or(1.0);
-        let kept = found.max(with_colors).clamp(LEAST_KEPT, 1.0);
+        let kept = found.max(with_colors).clamp(self.least_kept, 1.0);
         (kept <= self.most_kept).then_some(kept)
     }
 

@@ -1,5 +1,5 @@
 //! Model files given for a scan: read into its space, and kept as they are except for what is baked into their
-//! materials; and the groups of objects that show each other: `wheel_low` shows only `wheel_high` of the scan.
+//! materials; and groups of objects: `wheel_low` shows only `wheel_high` of the scan.
 //!
 //! glTF and FBX are read in metres. If the scan is in another unit, they are converted to the scan's space on reading,
 //! and back in assets.
@@ -52,9 +52,7 @@ impl Read {
         for mesh in &mut data.meshes {
             let mut bare = std::mem::take(mesh).into_data();
             (bare.uvs, bare.tangents) = (Vec::new(), Vec::new());
-            if !keeps_colors {
-                bare.colors = Vec::new();
-            }
+            bare.colors.truncate(if keeps_colors { usize::MAX } else { 0 });
             *mesh = Mesh::new(bare)?;
         }
         data.textures.clear();

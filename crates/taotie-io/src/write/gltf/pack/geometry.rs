@@ -7,7 +7,7 @@ use crate::gltf::{StoredAttribute, StoredVertices};
 use meshopt::{SimplifyOptions, SimplifyVertex};
 use serde_json::Value;
 use std::borrow::Cow;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use taotie_engine::math::Vec3;
 use taotie_engine::mesh::RELIEF_OF_VERTICES;
 
@@ -233,15 +233,32 @@ impl Shaped {
 /// Returns the longest side of the mesh for each group of vertices. Primitives of a mesh are rounded identically, so
 /// that they still meet.
 pub(super) fn extents(all: &[StoredVertices]) -> Vec<f64> {
-    let mesh = |vertices: &StoredVertices| vertices.primitives.first().map(|primitive| primitive.mesh);
-    let mut sides: BTreeMap<Option<usize>, f64> = BTreeMap::new();
-    for vertices in all {
+    let side = |vertices: &StoredVertices| {
         let [least, most] = bounds(&vertices.attributes[0]);
-        let longest = (0..3).map(|k| f64::from(most[k]) - f64::from(least[k])).fold(0.0, f64::max);
-        let of_mesh = sides.entry(mesh(vertices)).or_default();
-        *of_mesh = of_mesh.max(longest);
+        (0..3).map(|k| f64::from(most[k]) - f64::from(least[k])).fold(0.0, f64::max)
+    };
+    let meshes = |vertices: &StoredVertices| -> BTreeSet<usize> {
+        let places = vertices.primitives.iter().flat_map(|primitive| &primitive.places);
+        places.map(|[mesh, _]| *mesh).collect()
+    };
+    let meshes: Vec<BTreeSet<usize>> = all.iter().map(meshes).collect();
+    let mut sides: Vec<f64> = all.iter().map(side).collect();
+    // Vertices may be those of several meshes, which then have one precision.
+    loop {
+        let mut of_meshes: BTreeMap<usize, f64> = BTreeMap::new();
+        for (own, side) in meshes.iter().zip(&sides) {
+            for mesh in own {
+                let longest = of_meshes.entry(*mesh).or_default();
+                *longest = longest.max(*side);
+            }
+        }
+        let longest = |own: &BTreeSet<usize>| own.iter().map(|mesh| of_meshes[mesh]).fold(0.0, f64::max);
+        let next: Vec<f64> = meshes.iter().map(longest).collect();
+        if next == sides {
+            return sides;
+        }
+        sides = next;
     }
-    all.iter().map(|vertices| sides[&mesh(vertices)]).collect()
 }
 
 fn bounds(positions: &StoredAttribute) -> [[f32; 3]; 2] {

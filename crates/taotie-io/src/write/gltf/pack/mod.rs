@@ -50,12 +50,15 @@ pub struct GltfPacker {
     locks: Vec<Vec<SimplifyVertex>>,
     images: Vec<Option<OwnImage>>,
     longest_side: Option<u32>,
+    /// `true` if it has animations or skins: at rest, nothing shows which triangles they need.
+    moves: bool,
 }
 
 /// The options for packing the meshes of a file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PackedGeometry {
-    /// The fraction of triangles that is kept, (0, 1]; the others are simplified away, primitive by primitive.
+    /// The fraction of triangles that is kept, (0, 1]; the others are simplified away, primitive by primitive. Files with
+    /// animations or skins keep all of them.
     pub kept: f64,
     /// Bits of vertices. Positions have 2^bits to 2^(bits+1) steps along the longest side of a mesh.
     pub bits: VertexBits,
@@ -93,12 +96,12 @@ impl GltfPacker {
         let images = taken_images(&mut raw, images)?;
         let extents = geometry::extents(&vertices);
         vertices.iter_mut().zip(&extents).for_each(|(own, extent)| geometry::join_copies(own, *extent));
-        let is_alone = is_alone(&raw.json);
+        let (is_alone, moves) = (is_alone(&raw.json), moves(&raw.json));
         let locks = |vertices| if is_alone { Vec::new() } else { geometry::locks(vertices) };
         let locks = vertices.iter().map(locks).collect();
         drop_geometry(&mut raw.json, &vertices);
         let bytes = used_bytes(&mut raw)?;
-        Ok(Self { json: raw.json, bytes, vertices, extents, locks, images, longest_side })
+        Ok(Self { json: raw.json, bytes, vertices, extents, locks, images, longest_side, moves })
     }
 
     /// Returns the number of images.
@@ -134,9 +137,10 @@ impl GltfPacker {
                 "use more than 0 and at most 1",
             ));
         }
+        let kept = if self.moves { 1.0 } else { geometry.kept };
         let mut file = Packed::new(&self.json, self.bytes.clone(), geometry.codecs);
         for ((vertices, extent), locks) in self.vertices.iter().zip(&self.extents).zip(&self.locks) {
-            let simplified = Simplified::new(vertices, locks, geometry.kept);
+            let simplified = Simplified::new(vertices, locks, kept);
             let precision = Precision { bits: geometry.bits, extent: *extent };
             file.add_vertices(&simplified.vertices, &Shaped::new(&simplified), &precision)?;
         }
@@ -166,6 +170,11 @@ fn is_alone(json: &Value) -> bool {
     primitives.sum::<usize>() == 1 && matches!(shown[..], [only] if is_once(only))
 }
 
+/// Returns `true` if a document has animations or skins.
+fn moves(json: &Value) -> bool {
+    ["animations", "skins"].iter().any(|name| !edit::items(json, name).is_empty())
+}
+
 /// Drops the tangents of primitives whose material does not use them: it has neither a normal map nor a layer with a
 /// direction.
 fn drop_unread_tangents(json: &mut Value) {
@@ -192,8 +201,9 @@ fn drop_unread_tangents(json: &mut Value) {
 
 /// Removes the vertex accessors and their triangles from a document.
 fn drop_geometry(json: &mut Value, vertices: &[StoredVertices]) {
-    for primitive in vertices.iter().flat_map(|vertices| &vertices.primitives) {
-        let json = &mut json["meshes"][primitive.mesh]["primitives"][primitive.primitive];
+    let primitives = vertices.iter().flat_map(|vertices| &vertices.primitives);
+    for [mesh, primitive] in primitives.flat_map(|primitive| &primitive.places) {
+        let json = &mut json["meshes"][*mesh]["primitives"][*primitive];
         ["indices", "targets", "mode"].iter().for_each(|name| edit::remove(json, name));
         json["attributes"] = Value::Object(Map::new());
     }
@@ -266,11 +276,13 @@ impl Packed {
             let packed = PackedTriangles::new(triangles, shaped.order.len(), codecs)?;
             let view = self.packed_view(&packed.bytes, &packed.packing);
             let indices = edit::push(&mut self.json, "accessors", packed.accessor(view));
-            let json = &mut self.json["meshes"][primitive.mesh]["primitives"][primitive.primitive];
-            json["attributes"] = attributes.clone();
-            json["indices"] = indices.into();
-            if !targets.is_empty() {
-                json["targets"] = json!(targets);
+            for [mesh, place] in &primitive.places {
+                let json = &mut self.json["meshes"][*mesh]["primitives"][*place];
+                json["attributes"] = attributes.clone();
+                json["indices"] = indices.into();
+                if !targets.is_empty() {
+                    json["targets"] = json!(targets);
+                }
             }
         }
         Ok(())
