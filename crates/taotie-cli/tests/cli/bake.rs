@@ -298,8 +298,8 @@ fn presets_and_ceilings() {
     let engine = bake("--preset engine --max-triangles 1500 --error 4 --lods 300");
     assert_eq!(
         goal(&engine),
-        "missed=0.1%,hausdorff=1%,mean-color=0.5,p95-color=1.5,patch-color=3,mean-angle=4,gpu-memory=32000000,\
-         triangles=1500"
+        "missed=0.1%,hausdorff=1%,mean-color=0.5,p95-color=1.5,patch-color=3,mean-material=2%,\
+         patch-material=12%,mean-angle=4,gpu-memory=32000000,triangles=1500"
     );
     assert_eq!(engine["parameters"]["image_formats"], json!(["ktx2"]));
     assert!(engine["triangles"][0].as_u64().unwrap() <= 1500, "{}", engine["triangles"]);

@@ -253,7 +253,7 @@ fn what_cannot_be_kept_is_refused_before_the_bake() {
     let cage = Ball { radius: 1.2, ..LOW };
     place.write("cage.obj", cage.obj_of(&cage.faces().into_iter().rev().collect::<Vec<_>>()));
     let said = refused(&place, "--cage cage.obj");
-    assert!(said.contains("wood: cage.obj: the cage: "), "{said}");
+    assert!(said.contains("error: cage.obj: the cage: "), "{said}");
     let assert = place.taotie("bake scan.obj --low low.obj -o out.glb --cage cage.obj").assert().code(2);
     let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
     assert!(said.contains("triangles are in another order"), "{said}");

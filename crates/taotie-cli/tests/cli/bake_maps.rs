@@ -361,9 +361,12 @@ fn each_udim_tile_gets_the_maps_of_its_triangles() {
     let report = place.json(&format!("bake scan.obj --low both.obj -o out.<UDIM>.png {line}"));
     place.json(&format!("bake scan.obj --low a.obj -o a.png {line}"));
     place.json(&format!("bake scan.obj --low b.obj -o b.png {line}"));
-    for name in ["png", "x.png"] {
-        assert!(place.read(&format!("out.1001.{name}")) == place.read(&format!("a.{name}")), "{name}");
-    }
+    assert!(place.read("out.1001.png") == place.read("a.png"));
+    // The cage is that of both tiles, so that heights may round differently.
+    let [tile, own] = ["out.1001.x.png", "a.x.png"].map(|name| picture(&place, name));
+    let off = |i: usize| (tile.stored(i)[1] - own.stored(i)[1]).abs();
+    let farthest = (0..64 * 64).map(off).fold(0.0, f32::max);
+    assert!(farthest < 1.5 / 255.0, "{farthest}");
     // Its uvs were rounded on their way to another tile.
     let [tile, own] = ["out.1012.png", "b.png"].map(|name| picture(&place, name));
     let different = (0..64 * 64).filter(|i| tile.stored(*i) != own.stored(*i)).count();

@@ -240,6 +240,7 @@ struct Estimate {
 struct Overview {
     angles: Option<Estimate>,
     color: Option<Estimate>,
+    material: Option<Estimate>,
     pixels: usize,
     across: f32,
 }
@@ -260,6 +261,7 @@ struct Patch {
 struct Patches {
     angle: Option<Patch>,
     color: Option<Patch>,
+    material: Option<Patch>,
 }
 
 #[derive(Deserialize)]
@@ -519,6 +521,7 @@ fn of_a_pair() {
     assert!(level.resolution.as_ref().is_some_and(|resolution| resolution.texel > 0.0));
     assert!(level.material.color.is_none() && level.full_views.is_empty(), "the scan has no material");
     assert!(level.overview.color.is_none() && level.patches.color.is_none());
+    assert!(level.overview.material.is_none() && level.patches.material.is_none());
     assert_eq!(proof.unseen, ["colour and material, which the scan does not specify"]);
     assert_eq!((bake.unproved_maps, bake.floor_8_bit), (Vec::<String>::new(), Some([0.17, 0.38])));
     let error = height.error.as_ref().expect("it is measured");

@@ -207,6 +207,15 @@ mod tests {
     }
 
     #[test]
+    fn texels_that_no_dilation_reaches_have_no_label() {
+        let mut maps = BakedMaps::new([8, 8], Maps::default().with(MapKind::ObjectId));
+        (maps.texels[9], maps.numbers_mut(Plane::ObjectId)[9]) = (TexelStatus::Met, 0.0);
+        fill(&mut maps, Some(1));
+        let labels = maps.numbers(Plane::ObjectId);
+        assert_eq!((labels[9], labels[8], labels[63]), (0.0, 0.0, -1.0));
+    }
+
+    #[test]
     fn every_mip_texel_is_made_of_islands_alone() {
         let mut maps = islands();
         // The initial values of free texels must not show up anywhere.

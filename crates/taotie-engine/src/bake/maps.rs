@@ -399,6 +399,8 @@ impl Plane {
         match self {
             Self::Normal | Self::Bent | Self::WorldNormal | Self::Bevel => [0.0, 0.0, 1.0].repeat(count),
             Self::Occlusion | Self::Alpha => vec![1.0; count],
+            // Labels begin at 0.
+            Self::MaterialId | Self::ObjectId => vec![-1.0; count],
             _ => vec![0.0; count * self.channels()],
         }
     }

@@ -51,11 +51,25 @@ pub(crate) struct StoredPrimitive {
     pub triangles: Vec<[u32; 3]>,
 }
 
+/// The times or values of animations, as floats.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct StoredTrack {
+    /// An animation, and a sampler of it that reads them.
+    pub sampler: [usize; 2],
+    /// The member of the sampler that names them: `input` for times, `output` for values.
+    pub member: &'static str,
+    /// `true` for rotations, whose numbers are at most 1.
+    pub is_rotation: bool,
+    pub values: StoredAttribute,
+}
+
 /// The stored content of a file.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Content {
     /// Vertices of the triangle primitives that no extension packs and that can be read completely.
     pub vertices: Vec<StoredVertices>,
+    /// Those of animations, once for each accessor.
+    pub tracks: Vec<StoredTrack>,
     /// The images in file order; `None` for one that cannot be decoded.
     pub images: Vec<Option<Bitmap>>,
 }
@@ -71,10 +85,11 @@ impl Content {
         let reading = raw.reading();
         let bytes = source.bytes(reading)?.into_owned();
         let document = Document::of(reading, bytes, &mut Warnings::default())?;
-        let vertices = Reader { document: &document, json: &raw.json }.vertices();
+        let reader = Reader { document: &document, json: &raw.json };
+        let (vertices, tracks) = (reader.vertices(), reader.tracks());
         let images = (0..document.root.images.len()).map(|image| read_image(&document, image).ok()).collect();
         reading.check()?;
-        Ok(Self { vertices, images })
+        Ok(Self { vertices, tracks, images })
     }
 }
 
@@ -108,6 +123,35 @@ impl Reader<'_> {
             found.into_values().filter_map(StoredVertices::compacted).collect();
         all.sort_by_key(StoredVertices::first_place);
         joined(all)
+    }
+
+    fn tracks(&self) -> Vec<StoredTrack> {
+        let mut budget = most_elements(self.document);
+        let mut found: BTreeMap<usize, Option<StoredTrack>> = BTreeMap::new();
+        for (a, animation) in list(self.json, "animations").enumerate() {
+            for (s, sampler) in list(animation, "samplers").enumerate() {
+                let rotates = |channel: &Value| {
+                    let path = channel.pointer("/target/path").and_then(Value::as_str);
+                    number(channel, "sampler") == Some(s) && path == Some("rotation")
+                };
+                let is_rotation = list(animation, "channels").any(rotates);
+                for (member, is_rotation) in [("input", false), ("output", is_rotation)] {
+                    let Some(index) = number(sampler, member) else { continue };
+                    let track = |values| StoredTrack { sampler: [a, s], member, is_rotation, values };
+                    let own = found
+                        .entry(index)
+                        .or_insert_with(|| self.attribute((member, index), &mut budget).ok().map(track));
+                    // An accessor with several uses stays as it is.
+                    let is_same = |own: &StoredTrack| (own.member, own.is_rotation) == (member, is_rotation);
+                    if !own.as_ref().is_some_and(is_same) {
+                        *own = None;
+                    }
+                }
+            }
+        }
+        let can_pack =
+            |track: &StoredTrack| track.values.is_float() && (1..=4).contains(&track.values.elements.width);
+        found.into_values().flatten().filter(can_pack).collect()
     }
 
     /// Returns the triangles of a primitive; `None` if it has none, or is packed by an extension.
@@ -157,18 +201,22 @@ impl Reader<'_> {
         named
             .map(|name| {
                 let index = number(json, name).ok_or("an attribute without accessor")?;
-                let accessor = Accessor::open(self.document, index)?;
-                spend(budget, accessor.count)?;
-                if !self.document.reading.take(bytes_of(accessor.count, 0)) {
-                    return Err("it does not fit in memory".into());
-                }
-                Ok(StoredAttribute {
-                    name: name.clone(),
-                    elements: accessor.stored(),
-                    is_normalized: accessor.is_normalized(),
-                })
+                self.attribute((name, index), budget)
             })
             .collect()
+    }
+
+    fn attribute(&self, (name, index): (&str, usize), budget: &mut usize) -> Reason<StoredAttribute> {
+        let accessor = Accessor::open(self.document, index)?;
+        spend(budget, accessor.count)?;
+        if !self.document.reading.take(bytes_of(accessor.count, 0)) {
+            return Err("it does not fit in memory".into());
+        }
+        Ok(StoredAttribute {
+            name: name.to_owned(),
+            elements: accessor.stored(),
+            is_normalized: accessor.is_normalized(),
+        })
     }
 }
 
@@ -316,6 +364,11 @@ impl StoredAttribute {
 fn spend(budget: &mut usize, elements: usize) -> Reason<()> {
     *budget = budget.checked_sub(elements).ok_or("its primitives share bytes too often")?;
     Ok(())
+}
+
+/// Returns the items of a list.
+fn list<'v>(json: &'v Value, name: &str) -> impl Iterator<Item = &'v Value> {
+    json.get(name).and_then(Value::as_array).into_iter().flatten()
 }
 
 fn number(of: &Value, name: &str) -> Option<usize> {

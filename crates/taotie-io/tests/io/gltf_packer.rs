@@ -22,7 +22,10 @@ const FOLDERS: [&str; 3] = ["khronos-gltf-sample-assets", "gltf-asset-generator"
 
 /// Every corner shown by a file, in world space.
 fn corners(loaded: &Loaded) -> Vec<Vec3<f64>> {
-    let scene = &loaded.scene;
+    corners_of(&loaded.scene)
+}
+
+fn corners_of(scene: &Scene) -> Vec<Vec3<f64>> {
     let of_instance = |instance: &taotie_engine::scene::Instance| {
         let mesh = &scene.meshes()[instance.mesh];
         let corner =
@@ -104,7 +107,18 @@ fn what_moves_keeps_its_triangles() {
         let packer = GltfPacker::open(GltfSource::File(&path), &Limits::default()).unwrap();
         let (_, loaded) = packed(&packer, PackedGeometry { kept: 0.1, ..PackedGeometry::default() }, &[]);
         assert_eq!(own.scene.triangle_count(), loaded.scene.triangle_count(), "{}", path.display());
-        count += 1;
+        let animations = own.rig.as_ref().map_or(0, |rig| rig.animations().len());
+        for (animation, seconds) in (0..animations).flat_map(|i| [(i, 0.3), (i, 1.7)]) {
+            let posed = |loaded: &Loaded| {
+                let mut scene = loaded.scene.clone();
+                loaded.rig.as_ref().unwrap().pose(&mut scene, animation, seconds).unwrap();
+                moments(&corners_of(&scene))
+            };
+            let ((mean, size), (other, other_size)) = (posed(&own), posed(&loaded));
+            let off = (mean - other).length().max((size - other_size).abs());
+            assert!(off <= 1e-4 * size, "{}: {off} of {size}", path.display());
+            count += 1;
+        }
     }
     assert!(count > 0 || common::data_folder(FOLDERS[0]).is_none());
 }

@@ -88,8 +88,8 @@ pub(super) struct Packing {
     pub mode: &'static str,
     /// The name of a filter in the extension.
     pub filter: Option<&'static str>,
-    /// glTF's constant for its use.
-    pub target: u32,
+    /// glTF's constant for its use; `None` for animations, whose views must not state any.
+    pub target: Option<u32>,
     /// The codec set whose extension packs it.
     pub codecs: CodecSet,
 }
@@ -112,10 +112,13 @@ impl Packing {
             packed["filter"] = filter.into();
         }
         let mut view = json!({
-            "buffer": buffer, "byteOffset": unpacked, "byteLength": self.size(), "target": target,
+            "buffer": buffer, "byteOffset": unpacked, "byteLength": self.size(),
             "extensions": { codecs.meshopt(): packed },
         });
-        if target == VERTICES {
+        if let Some(target) = target {
+            view["target"] = target.into();
+        }
+        if target == Some(VERTICES) {
             view["byteStride"] = stride.into();
         }
         view

@@ -21,6 +21,23 @@ pub(super) struct Stream {
 }
 
 impl Stream {
+    /// Joins streams of the same layout, one after the other; `None` if there are none.
+    pub fn joined<'a>(all: impl Iterator<Item = &'a Self> + Clone) -> Option<Self> {
+        let Self { name, stride, component, width, normalized, filter, .. } = all.clone().next()?;
+        let bytes = all.flat_map(|stream| &stream.bytes).copied().collect();
+        let (name, stride, component, width) = (name.clone(), *stride, *component, *width);
+        Some(Self {
+            name,
+            bytes,
+            stride,
+            component,
+            width,
+            normalized: *normalized,
+            filter: *filter,
+            bounds: None,
+        })
+    }
+
     /// Returns the number of vertices.
     pub fn count(&self) -> usize {
         self.bytes.len() / self.stride
@@ -29,7 +46,8 @@ impl Stream {
     /// Returns the packing of the view.
     pub fn packing(&self, codecs: CodecSet) -> Packing {
         let &Self { stride, filter, .. } = self;
-        Packing { count: self.count(), stride, mode: "ATTRIBUTES", filter, target: VERTICES, codecs }
+        let target = Some(VERTICES);
+        Packing { count: self.count(), stride, mode: "ATTRIBUTES", filter, target, codecs }
     }
 
     /// Returns the packed bytes, in the version allowed by the extension.
@@ -77,7 +95,7 @@ impl PackedTriangles {
         let bytes = meshopt::encode_index_buffer(indices, vertices).map_err(refused)?;
         let is_small = vertices <= MOST_OF_U16;
         let (component, stride) = if is_small { (Component::U16, 2) } else { (Component::U32, 4) };
-        let (count, target) = (indices.len(), INDICES);
+        let (count, target) = (indices.len(), Some(INDICES));
         let packing = Packing { count, stride, mode: "TRIANGLES", filter: None, target, codecs };
         Ok(Self { bytes, packing, component })
     }

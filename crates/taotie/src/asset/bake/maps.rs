@@ -408,8 +408,11 @@ impl Separate<'_> {
                 or_floats(DITHERED, self.options),
             )?),
             MapContent::Label => {
-                let codes =
-                    |i: usize| label_color(self.maps.numbers(plane)[i] as u32).map(|v| f32::from(v) / 255.0);
+                let color = |i: usize| match self.maps.numbers(plane)[i] {
+                    label if label < 0.0 => [0; 3],
+                    label => label_color(label as u32),
+                };
+                let codes = |i: usize| color(i).map(|code| f32::from(code) / 255.0);
                 let bitmap = store_codes(size, codes, 3, Storage { bits: 8, dither: false })?;
                 SeparateMap { legend: self.legend(map), ..of(bitmap) }
             }

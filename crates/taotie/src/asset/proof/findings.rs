@@ -17,6 +17,7 @@ use taotie_engine::mesh::sample_area;
 use taotie_engine::names::Named;
 use taotie_engine::proof::Mismatch;
 use taotie_engine::scene::{AlphaMode, LAYERS, Material, Scene, Specular};
+use taotie_engine::surface::facet_normal;
 
 /// Shares of the area below this are noise: folds, thin cracks.
 const WORTH_A_WORD: f64 = 0.01;
@@ -45,7 +46,7 @@ pub(super) fn note_whole(all: &Figures, level: &ShownLevel<'_>, warnings: &mut W
             1,
         );
     }
-    note_ambient(&level.surface, level.scan(), warnings);
+    note_shading(&level.surface, level.scan(), warnings);
     if level.parts.iter().any(|part| part.has_relief)
         && let (Some(with), Some(without)) = (&figures.surface_angles, &figures.without_map)
         && let Some(what) = useless_map(with, without)
@@ -54,12 +55,19 @@ pub(super) fn note_whole(all: &Figures, level: &ShownLevel<'_>, warnings: &mut W
     }
 }
 
-/// Notes what no figure shows: occlusion that only the asset has, if it is dark, and blending of opaque surface, which
-/// viewers sort wrongly.
-fn note_ambient(asset: &Scan, scan: &Scan, warnings: &mut Warnings) {
+/// Notes flat shading, which explains large angles, and what no figure shows: occlusion that only the asset has, if it is
+/// dark, and blending of opaque surface, which viewers sort wrongly.
+fn note_shading(asset: &Scan, scan: &Scan, warnings: &mut Warnings) {
     /// The mean light that baked occlusion hardly ever goes below.
     const DARK: f64 = 0.5;
-    let [of_asset, of_scan] = [asset, scan].map(|surface| Ambient::of(surface.surface()));
+    /// Shares of flat-shaded surface: nearly all of an asset, at most half of its scan.
+    const FLAT: [f64; 2] = [0.99, 0.5];
+    let [of_asset, of_scan] = [asset, scan].map(|surface| Shading::of(surface.surface()));
+    if of_asset.flat > FLAT[0] && of_scan.flat < FLAT[1] {
+        let what = "the asset is flat-shaded, and the scan's normals are smooth; if they are computed from a flat-shaded \
+                    scan, a crease angle of 0 keeps it flat";
+        warnings.note(what, 1);
+    }
     if of_asset.occlusion < DARK && of_scan.occlusion == 1.0 {
         let what = format!(
             "the asset's occlusion texture, which the scan lacks, leaves {} of ambient light on average",
@@ -69,7 +77,8 @@ fn note_ambient(asset: &Scan, scan: &Scan, warnings: &mut Warnings) {
     }
     if of_asset.needlessly_blended - of_scan.needlessly_blended > WORTH_A_WORD {
         let what = format!(
-            "{} of the asset's surface is blended (alphaMode BLEND) although nothing shows through it: viewers may draw              far parts over near ones",
+            "{} of the asset's surface is blended (alphaMode BLEND) although nothing shows through it: viewers may draw \
+             far parts over near ones",
             percent(of_asset.needlessly_blended)
         );
         warnings.note(what, 1);
@@ -77,34 +86,41 @@ fn note_ambient(asset: &Scan, scan: &Scan, warnings: &mut Warnings) {
 }
 
 /// Properties of a surface that figures do not compare.
-struct Ambient {
+struct Shading {
+    /// The share of the area whose normals are those of the triangles.
+    flat: f64,
     /// The mean occlusion, 1 where there is no texture of it.
     occlusion: f64,
     /// The share of the area whose materials are blended although all of their surface is solid.
     needlessly_blended: f64,
 }
 
-impl Ambient {
+impl Shading {
     fn of(surface: &TexturedMesh) -> Self {
         const POINTS: usize = 2_000;
-        let none = Self { occlusion: 1.0, needlessly_blended: 0.0 };
-        let triangles = 0..surface.mesh().triangles().len() as u32;
-        let concerns =
-            |material: &Material| material.occlusion_texture.is_some() || material.alpha == AlphaMode::Blend;
-        if !triangles.clone().any(|t| concerns(surface.material(t))) {
-            return none;
-        }
-        let Ok(point) = sample_area(surface.mesh(), POINTS) else { return none };
-        let (mut occlusion, mut blended, mut is_seen_through) = (0.0, 0, false);
+        /// The cosine of 0.5°.
+        const SAME: f32 = 0.999_962;
+        let mesh = surface.mesh();
+        let Ok(point) = sample_area(mesh, POINTS) else {
+            return Self { flat: 0.0, occlusion: 1.0, needlessly_blended: 0.0 };
+        };
+        let (mut occlusion, mut flat, mut blended, mut is_seen_through) = (0.0, 0, 0, false);
         for point in (0..POINTS).map(point) {
-            occlusion += f64::from(surface.sample(LookupPoint::finest(point)).occlusion);
-            if surface.material(point.triangle).alpha == AlphaMode::Blend {
+            let material = surface.material(point.triangle);
+            let facet = facet_normal(mesh.corners(point.triangle as usize));
+            flat += i32::from(facet.is_some_and(|facet| facet.dot(point.normal(mesh)) > SAME));
+            occlusion += match material.occlusion_texture {
+                Some(_) => f64::from(surface.sample(LookupPoint::finest(point)).occlusion),
+                None => 1.0,
+            };
+            if material.alpha == AlphaMode::Blend {
                 blended += 1;
                 is_seen_through |= !surface.is_solid_at(point);
             }
         }
-        let share = if is_seen_through { 0.0 } else { f64::from(blended) / POINTS as f64 };
-        Self { occlusion: occlusion / POINTS as f64, needlessly_blended: share }
+        let share = |count: i32| f64::from(count) / POINTS as f64;
+        let needlessly_blended = if is_seen_through { 0.0 } else { share(blended) };
+        Self { flat: share(flat), occlusion: occlusion / POINTS as f64, needlessly_blended }
     }
 }
 

@@ -3,7 +3,7 @@
 use super::super::format::VertexBits;
 use super::super::mesh::sorted;
 use super::super::stream::{Octahedron, PowerOfTwo, Stream};
-use crate::gltf::{StoredAttribute, StoredVertices};
+use crate::gltf::{StoredAttribute, StoredTrack, StoredVertices};
 use meshopt::{SimplifyOptions, SimplifyVertex};
 use serde_json::Value;
 use std::borrow::Cow;
@@ -355,6 +355,22 @@ impl PowerOfTwo {
     fn of(self, attribute: &StoredAttribute, order: &[usize]) -> Option<Stream> {
         self.stream(&attribute.name, &in_order(attribute, order), attribute.elements.width)
     }
+}
+
+/// Returns the times of animations as stored, or their values rounded: the error of an angle is at most 0.003°, that of
+/// others 1 in 500,000 of the largest.
+pub(super) fn track(track: &StoredTrack) -> Stream {
+    const ROTATION: u8 = 16;
+    const OTHERS: u8 = 18;
+    let values = floats(&track.values);
+    let largest = values.iter().fold(0.0f32, |most, v| most.max(v.abs()));
+    let step = match track.is_rotation {
+        true => PowerOfTwo::within(1.0, ROTATION),
+        false => PowerOfTwo::within(largest.into(), OTHERS),
+    };
+    let rounded = || step.stream(&track.values.name, &values, track.values.elements.width);
+    let exact = || stored(&track.values, &(0..track.values.elements.count()).collect::<Vec<_>>());
+    if track.member == "input" { exact() } else { rounded().unwrap_or_else(exact) }
 }
 
 /// Returns the name of an attribute without its set number.

@@ -10,11 +10,14 @@ use super::format::{CodecSet, VertexBits};
 use super::graft::{Storage, take_along};
 use super::image_encoding::LossyTexture;
 use super::stream::{PackedTriangles, Stream};
-use crate::gltf::{Content, GltfSource, INSTANCING, OF_TEXTURES, RawGltf, StoredVertices, image_bytes, uses};
+use crate::gltf::{
+    Content, GltfSource, INSTANCING, OF_TEXTURES, RawGltf, StoredTrack, StoredVertices, image_bytes, uses,
+};
 use crate::limits::Limits;
 use geometry::{Precision, Shaped, Simplified};
 use meshopt::SimplifyVertex;
 use serde_json::{Map, Value, json};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use taotie_engine::error::{Error, Result};
 use taotie_engine::image::{Bitmap, Encoding};
@@ -44,6 +47,7 @@ pub struct GltfPacker {
     /// The bytes of everything that is not packed.
     bytes: Vec<u8>,
     vertices: Vec<StoredVertices>,
+    tracks: Vec<StoredTrack>,
     /// The longest side of the mesh for each of these.
     extents: Vec<f64>,
     /// The locks of each of these; none if there is only one primitive, shown once.
@@ -91,7 +95,7 @@ impl GltfPacker {
     pub fn open(source: GltfSource<'_>, limits: &Limits) -> Result<Self> {
         let mut raw = RawGltf::read(source, limits)?;
         drop_unread_tangents(&mut raw.json);
-        let Content { mut vertices, images } = Content::read(source, &raw)?;
+        let Content { mut vertices, tracks, images } = Content::read(source, &raw)?;
         let longest_side = longest_side(&raw.json, &images);
         let images = taken_images(&mut raw, images)?;
         let extents = geometry::extents(&vertices);
@@ -100,8 +104,9 @@ impl GltfPacker {
         let locks = |vertices| if is_alone { Vec::new() } else { geometry::locks(vertices) };
         let locks = vertices.iter().map(locks).collect();
         drop_geometry(&mut raw.json, &vertices);
+        tracks.iter().for_each(|track| drop_values(&mut raw.json, track));
         let bytes = used_bytes(&mut raw)?;
-        Ok(Self { json: raw.json, bytes, vertices, extents, locks, images, longest_side, moves })
+        Ok(Self { json: raw.json, bytes, vertices, tracks, extents, locks, images, longest_side, moves })
     }
 
     /// Returns the number of images.
@@ -144,6 +149,7 @@ impl GltfPacker {
             let precision = Precision { bits: geometry.bits, extent: *extent };
             file.add_vertices(&simplified.vertices, &Shaped::new(&simplified), &precision)?;
         }
+        file.add_tracks(&self.tracks)?;
         let own = self.images.iter().enumerate().filter_map(|(number, own)| Some((number, own.as_ref()?)));
         for (number, own) in own {
             file.add_image(number, own, images.iter().find(|image| image.number == number));
@@ -206,6 +212,21 @@ fn drop_geometry(json: &mut Value, vertices: &[StoredVertices]) {
         let json = &mut json["meshes"][*mesh]["primitives"][*primitive];
         ["indices", "targets", "mode"].iter().for_each(|name| edit::remove(json, name));
         json["attributes"] = Value::Object(Map::new());
+    }
+}
+
+/// Returns the accessor of the times or values of an animation.
+fn accessor_of<'a>(json: &'a mut Value, track: &StoredTrack) -> Option<&'a mut Value> {
+    let [animation, sampler] = track.sampler;
+    let pointer = format!("/animations/{animation}/samplers/{sampler}/{}", track.member);
+    let number = json.pointer(&pointer)?.as_u64()?;
+    json.pointer_mut(&format!("/accessors/{number}"))
+}
+
+/// Removes the values of an accessor from a document; of its members only those stay that do not depend on where they are.
+fn drop_values(json: &mut Value, track: &StoredTrack) {
+    if let Some(accessor) = accessor_of(json, track) {
+        ["bufferView", "byteOffset", "sparse"].iter().for_each(|name| edit::remove(accessor, name));
     }
 }
 
@@ -283,6 +304,34 @@ impl Packed {
                 if !targets.is_empty() {
                     json["targets"] = json!(targets);
                 }
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds the times and values of animations: all of the same width in one view. Times are exact.
+    fn add_tracks(&mut self, tracks: &[StoredTrack]) -> Result<()> {
+        let streams: Vec<Stream> = tracks.iter().map(geometry::track).collect();
+        let mut views: BTreeMap<_, Vec<usize>> = BTreeMap::new();
+        for (i, stream) in streams.iter().enumerate() {
+            views.entry((stream.width, stream.filter)).or_default().push(i);
+        }
+        for numbers in views.into_values() {
+            let own = || numbers.iter().map(|i| (&tracks[*i], &streams[*i]));
+            let Some(joined) = Stream::joined(own().map(|(_, stream)| stream)) else { continue };
+            edit::require(&mut self.json, self.codecs.meshopt());
+            let packing = Packing { target: None, ..joined.packing(self.codecs) };
+            let view = self.packed_view(&joined.packed(self.codecs)?, &packing);
+            let mut offset = 0;
+            for (track, stream) in own() {
+                if let Some(accessor) = accessor_of(&mut self.json, track) {
+                    accessor["bufferView"] = view.into();
+                    accessor["byteOffset"] = offset.into();
+                    if stream.filter.is_some() {
+                        ["min", "max"].iter().for_each(|name| edit::remove(accessor, name));
+                    }
+                }
+                offset += stream.bytes.len();
             }
         }
         Ok(())
