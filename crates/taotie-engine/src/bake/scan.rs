@@ -11,7 +11,7 @@ use crate::math::Vec3;
 use crate::mesh::{Mesh, Point};
 use crate::scene::Scene;
 use crate::surface::{facet_normal, shell_labels};
-use crate::trace::{Bvh, Hit, Ray};
+use crate::trace::{Bvh, Hit, Ray, RayInterval};
 use std::sync::{Arc, OnceLock};
 
 /// The triangles of a high-poly scene with their materials, indexed for queries from points of a low-poly mesh.
@@ -295,6 +295,17 @@ impl Scan {
         let is_solid = |hit: &Hit| self.surface().is_solid_at(hit.point());
         let counts = |hit: &Hit| self.is_drawn(hit.point(), toward) && (hit.distance > from || is_solid(hit));
         self.bvh().nearest_of(ray, limit, counts)
+    }
+
+    /// Returns the hit nearest to the centre of an interval of a ray at which a renderer draws something that can be seen
+    /// through.
+    pub fn seen_through(&self, ray: &Ray, interval: RayInterval) -> Option<Hit> {
+        let toward = -ray.direction();
+        let counts = |hit: &Hit| {
+            let point = hit.point();
+            (self.is_drawn(point, toward) && !self.surface().is_solid_at(point)).then_some(())
+        };
+        Some(self.bvh().nearest_to(ray, interval, counts).best()?.0)
     }
 
     /// Returns the unit normal with which a renderer shades a point, sampled at the lookup width `at.width`, for a

@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::math::{Vec3, scalar};
 use crate::mesh::{Mesh, Point, sample_area};
 use crate::parallel;
-use crate::trace::Ray;
+use crate::trace::{Hit, Ray, RayInterval};
 
 /// A surface farther along the line of sight than this fraction of the diagonal is another part of the object.
 const SAME_PART: f32 = 0.02;
@@ -92,9 +92,14 @@ impl<'a> Viewer<'a> {
         let line = self.own.visibility.sight_line(point)?;
         let (position, reach) = (point.position(own.mesh()), self.pair.diagonal * SAME_PART);
         let ray = view_ray(position, line.toward, line.distance);
-        // Through glass, what is behind it is seen.
-        let first = other.first_seen_beyond(&ray, (line.distance - reach, line.distance + reach));
-        let hit = first.filter(|hit| hit.distance > line.distance - reach);
+        // Of glass and what is behind it, the surface nearest to the point is its counterpart.
+        let (from, limit) = (line.distance - reach, line.distance + reach);
+        let first = other.first_seen_beyond(&ray, (f32::INFINITY, limit));
+        let to = first.map_or(limit, |hit| hit.distance);
+        let clear = other.seen_through(&ray, RayInterval { from: from.max(0.0), center: line.distance, to });
+        let seen = [first.filter(|hit| hit.distance > from), clear];
+        let off = |hit: &Hit| (hit.distance - line.distance).abs();
+        let hit = seen.into_iter().flatten().min_by(|a, b| off(a).total_cmp(&off(b)));
         // An asset may show backs that its scan does not, unless they hide something.
         let is_extra = !self.is_of_scan && hit.is_none() && !own.mesh().faces(point.triangle, line.toward);
         if is_extra && other.first_seen(&ray, f32::INFINITY).is_none() {

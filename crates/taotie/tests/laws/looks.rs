@@ -123,6 +123,27 @@ fn what_is_seen_through_glass() {
     }
 }
 
+/// Layers of glass and a body below are closer to each other than points that count as the same part.
+#[test]
+fn close_layers_of_glass_are_compared_with_themselves() {
+    let transmission = Some(Transmission { factor: 1.0, ..Transmission::default() });
+    let glass = Material { transmission, double_sided: true, ..Material::default() };
+    let painted =
+        grid([48, 24], true, |u, v| direction(if v == 0.0 || v == 1.0 { 0.0 } else { u }, v) * 0.97);
+    let colors = painted.positions.iter().map(|p| [0.5 + 0.5 * p.x, 0.5, 0.5 + 0.5 * p.y, 1.0]).collect();
+    let body = scan_of(MeshData { colors, ..painted }).mesh().clone();
+    let lens = crate::pairs::with_part(&shown(ball_of(1.0), glass.clone()), body);
+    let lens = changed(&lens, |data| {
+        data.materials[1].base_color = [1.0; 4];
+        data.meshes.push(scan_of(ball_of(0.985)).mesh().clone());
+        data.instances.push(Instance { mesh: 2, material: 0, world_from_object: Mat4::IDENTITY });
+    });
+    let itself = is_sound(&lens, &scan(&lens));
+    let patches = &itself.figures.levels[0].patches;
+    let worst = [patches.angle.unwrap().mean, patches.color.unwrap().mean];
+    assert!(worst.iter().all(|mean| *mean < 0.01), "{worst:?}");
+}
+
 #[test]
 fn shells_that_only_the_asset_has() {
     let body = shown(ball_of(1.0), Material { base_color: [0.5, 0.4, 0.3, 1.0], ..Material::default() });
