@@ -9,7 +9,7 @@ use crate::asset::ask::{Figure, Requirement};
 use crate::asset::bake::{INSIDE_OUT, percent, useless_map};
 use crate::asset::source::{Property, is_plain, used_materials};
 use crate::asset::write::MapNote;
-use taotie_engine::bake::{LookupPoint, Scan, TexturedMesh};
+use taotie_engine::bake::{LookupPoint, TexturedMesh};
 use taotie_engine::error::Warnings;
 use taotie_engine::length::{Unit, place_text, texel_text};
 use taotie_engine::math::Vec3;
@@ -46,7 +46,7 @@ pub(super) fn note_whole(all: &Figures, level: &ShownLevel<'_>, warnings: &mut W
             1,
         );
     }
-    note_shading(&level.surface, level.scan(), warnings);
+    note_shading(level, warnings);
     if level.parts.iter().any(|part| part.has_relief)
         && let (Some(with), Some(without)) = (&figures.surface_angles, &figures.without_map)
         && let Some(what) = useless_map(with, without)
@@ -57,13 +57,16 @@ pub(super) fn note_whole(all: &Figures, level: &ShownLevel<'_>, warnings: &mut W
 
 /// Notes flat shading, which explains large angles, and what no figure shows: occlusion that only the asset has, if it is
 /// dark, and blending of opaque surface, which viewers sort wrongly.
-fn note_shading(asset: &Scan, scan: &Scan, warnings: &mut Warnings) {
+fn note_shading(level: &ShownLevel<'_>, warnings: &mut Warnings) {
     /// The mean light that baked occlusion hardly ever goes below.
     const DARK: f64 = 0.5;
     /// Shares of flat-shaded surface: nearly all of an asset, at most half of its scan.
     const FLAT: [f64; 2] = [0.99, 0.5];
-    let [of_asset, of_scan] = [asset, scan].map(|surface| Shading::of(surface.surface()));
-    if of_asset.flat > FLAT[0] && of_scan.flat < FLAT[1] {
+    let surfaces = [&level.surface, level.scan()];
+    let [of_asset, of_scan] = surfaces.map(|surface| Shading::of(surface.surface()));
+    // A normal map may smooth flat triangles.
+    let is_mapped = level.parts.iter().any(|part| part.has_relief);
+    if !is_mapped && of_asset.flat > FLAT[0] && of_scan.flat < FLAT[1] {
         let what = "the asset is flat-shaded, and the scan's normals are smooth; if they are computed from a flat-shaded \
                     scan, a crease angle of 0 keeps it flat";
         warnings.note(what, 1);
