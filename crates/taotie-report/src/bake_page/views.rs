@@ -24,7 +24,8 @@ const MOST_COARSE: f32 = 8.0;
 const COLOR_TOP: f32 = 10.0;
 /// The maximum side of the picture of that map, pixels.
 const MOST_COLOR_SIDE: usize = 512;
-/// Possible values at the end of the colour scales of patches and of removed noise: degrees or CIEDE2000.
+/// Possible values at the end of the colour scales of patches and of removed noise: degrees, CIEDE2000, or
+/// fractions of the largest number.
 const PATCH_TOPS: [f32; 6] = [1.0, 2.0, 5.0, 10.0, 20.0, 45.0];
 /// The end of that scale is at least this many times the mean.
 const OVER_MEAN: f64 = 3.0;
@@ -151,7 +152,7 @@ fn removed_noise(maps: &[Field]) -> Result<Option<View>> {
     }))
 }
 
-/// Returns the end of a colour scale for degrees or CIEDE2000 with this mean.
+/// Returns the end of a colour scale for differences with this mean.
 fn top_over(mean: f64) -> f32 {
     let is_enough = |top: &&f32| f64::from(**top) >= mean * OVER_MEAN;
     *PATCH_TOPS.iter().find(is_enough).unwrap_or(&PATCH_TOPS[PATCH_TOPS.len() - 1])

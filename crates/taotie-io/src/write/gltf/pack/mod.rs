@@ -47,15 +47,13 @@ pub struct GltfPacker {
     /// The bytes of everything that is not packed.
     bytes: Vec<u8>,
     vertices: Vec<StoredVertices>,
-    tracks: Vec<StoredTrack>,
     /// The longest side of the mesh for each of these.
     extents: Vec<f64>,
     /// The locks of each of these; none if there is only one primitive, shown once.
     locks: Vec<Vec<SimplifyVertex>>,
+    tracks: Vec<StoredTrack>,
     images: Vec<Option<OwnImage>>,
     longest_side: Option<u32>,
-    /// `true` if it has animations or skins: at rest, nothing shows which triangles they need.
-    moves: bool,
 }
 
 /// The options for packing the meshes of a file.
@@ -100,13 +98,13 @@ impl GltfPacker {
         let images = taken_images(&mut raw, images)?;
         let extents = geometry::extents(&vertices);
         vertices.iter_mut().zip(&extents).for_each(|(own, extent)| geometry::join_copies(own, *extent));
-        let (is_alone, moves) = (is_alone(&raw.json), moves(&raw.json));
+        let is_alone = is_alone(&raw.json);
         let locks = |vertices| if is_alone { Vec::new() } else { geometry::locks(vertices) };
         let locks = vertices.iter().map(locks).collect();
         drop_geometry(&mut raw.json, &vertices);
         tracks.iter().for_each(|track| drop_values(&mut raw.json, track));
         let bytes = used_bytes(&mut raw)?;
-        Ok(Self { json: raw.json, bytes, vertices, tracks, extents, locks, images, longest_side, moves })
+        Ok(Self { json: raw.json, bytes, vertices, tracks, extents, locks, images, longest_side })
     }
 
     /// Returns the number of images.
@@ -142,7 +140,8 @@ impl GltfPacker {
                 "use more than 0 and at most 1",
             ));
         }
-        let kept = if self.moves { 1.0 } else { geometry.kept };
+        // At rest, nothing shows which triangles a motion needs.
+        let kept = if moves(&self.json) { 1.0 } else { geometry.kept };
         let mut file = Packed::new(&self.json, self.bytes.clone(), geometry.codecs);
         for ((vertices, extent), locks) in self.vertices.iter().zip(&self.extents).zip(&self.locks) {
             let simplified = Simplified::new(vertices, locks, kept);
