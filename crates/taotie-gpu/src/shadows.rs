@@ -4,9 +4,10 @@ use crate::gpu::{Gpu, Result};
 use crate::rays::{END_BOX, RAYS, box_words};
 use std::collections::HashMap;
 use taotie_engine::image::{Sampler, TexelFilter, Texture, Wrap};
-use taotie_engine::math::Vec2;
+use taotie_engine::math::{Vec2, Vec3};
+use taotie_engine::pixel::{CLEAR, MaterialUniforms, PassedLight};
 use taotie_engine::render::{Prepared, Surface};
-use taotie_engine::scene::{AlphaMode, TextureRef};
+use taotie_engine::scene::{AlphaMode, Material, TextureRef};
 use wgpu::Buffer;
 
 /// The shader functions that trace shadow rays.
@@ -86,7 +87,8 @@ impl Casters {
     fn add(&mut self, prepared: &Prepared, surface: &Surface<'_>) {
         let first = self.vertices.len() as u32;
         let is_masked = matches!(surface.material.alpha, AlphaMode::Mask(_));
-        let kind = if surface.material.is_blended() {
+        let is_clear = surface.material.alpha == AlphaMode::Blend || lets_light_pass(surface.material);
+        let kind = if is_clear {
             CASTS_NOT
         } else if is_masked {
             MASKED + self.masks.add(prepared.scene().textures(), surface, first)
@@ -117,6 +119,19 @@ impl Casters {
             opacities,
         ]))
     }
+}
+
+/// Returns `true` if so much light passes a surface that it casts no shadow, by its factors: a texture may darken it.
+fn lets_light_pass(material: &Material) -> bool {
+    let Some(transmission) = material.transmission.filter(|_| material.transmits()) else { return false };
+    let [r, g, b, _] = material.base_color;
+    let passed = PassedLight {
+        transmission: transmission.factor,
+        metallic: if material.metallic_roughness_texture.is_some() { 0.0 } else { material.metallic },
+        base_color: Vec3::new(r, g, b),
+        f0: MaterialUniforms::<f32>::new(material).dielectric_f0 * material.specular.factor,
+    };
+    passed.share() >= CLEAR
 }
 
 /// The masks of a scene's surfaces. A shader that draws one surface cannot read the textures of another, so their

@@ -8,7 +8,6 @@
 //! ```
 
 mod bitmap;
-pub mod cache;
 #[cfg(all(feature = "fbx", not(target_family = "wasm")))]
 mod fbx;
 mod file;

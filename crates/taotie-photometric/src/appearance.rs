@@ -31,8 +31,6 @@ const STEPS: usize = 6;
 const ENOUGH: f64 = 5e-4;
 /// The longest shift of the normal in a step.
 const LONGEST: f64 = 0.2;
-/// The smallest albedo of bright pixels that the irradiance is computed from.
-const LEAST_ALBEDO: f64 = 0.02;
 /// Sum of weights below which a pixel is not fitted.
 const FEWEST: f64 = 5.0;
 /// The difference from its neighbours' median normal from which a pixel is fitted again, radians.
@@ -110,7 +108,7 @@ impl<'a> Fitting<'a> {
     /// Prepares the fit.
     pub fn new(samples: &'a Samples, fits: &'a [Fit], indirect: &'a Indirect) -> Self {
         let bright = quantile(indirect.direct.iter().map(|b| b.length()).collect(), 0.95);
-        let irradiance = PI * bright / indirect.albedo.max(LEAST_ALBEDO);
+        let irradiance = PI * bright / indirect.albedo;
         let pixels = fits.iter().zip(&indirect.direct).enumerate();
         let references = pixels.map(|(i, (fit, direct))| Reference::new(i, fit, *direct)).collect();
         Self { samples, indirect, references, irradiance }

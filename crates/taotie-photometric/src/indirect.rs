@@ -23,7 +23,7 @@ const ROUNDS: usize = 2;
 /// Shadow samples below which the albedo is assumed.
 const FEWEST_SHADOWS: usize = 50;
 /// The albedo of bright pixels assumed without shadows.
-pub const ASSUMED_ALBEDO: f64 = 0.5;
+const ASSUMED_ALBEDO: f64 = 0.5;
 /// The fraction of the light in shadows that is assumed to be unexplained without shadows.
 const ASSUMED_UNEXPLAINED: f64 = 0.5;
 /// The quantile of |b| that counts as bright.
@@ -32,6 +32,9 @@ const BRIGHT: f64 = 0.95;
 const DARK: f64 = 0.02;
 /// The sine of the angle by which a surface must face away from a light to be in shadow.
 const SHADOW: f64 = 0.05;
+/// The least albedo of bright pixels: if shadows are darker than it makes them, black was subtracted from the photographs, or
+/// they are clipped.
+const LEAST_ALBEDO: f64 = 0.02;
 /// The most albedo of bright pixels, as stray light in the room would make it larger.
 const MOST_ALBEDO: f64 = 0.9;
 
@@ -101,12 +104,14 @@ impl Indirect {
         });
         let estimated: Vec<_> = estimated.into_iter().map(Vec3::from_array).collect();
         let is_removed = light.shadows > 0;
+        let albedo = light.factor * light.bright;
+        let is_measured = albedo >= LEAST_ALBEDO;
         Ok(Self {
             direct: if is_removed { estimated.clone() } else { fitted.to_vec() },
             estimated,
             is_removed,
-            albedo: light.factor * light.bright,
-            shadows: light.shadows,
+            albedo: if is_measured { albedo } else { ASSUMED_ALBEDO },
+            shadows: if is_measured { light.shadows } else { 0 },
             unexplained: light.unexplained,
         })
     }

@@ -64,7 +64,7 @@ pub use depth::Relief;
 pub use estimate::{Estimate, Estimator, PixelEstimate};
 pub use folder::{input_files, is_photograph};
 pub use integrability::Curl;
-pub use light::Light;
+pub use light::{Light, note_behind, note_lengths};
 pub use materials::{
     Frame, Lamp, LampPlace, Layout, Lens, MaterialEstimate, MaterialMaps, MaterialsEstimate, MaterialsInput,
     Model, PhotographResiduals, Pose, Texel, TexelEstimate, Transforms,

@@ -1,6 +1,6 @@
 //! The light of a photograph, and the checks that all lights of a set have in common.
 
-use taotie_engine::error::{Error, Result};
+use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::math::Vec3;
 
 /// The light of one photograph.
@@ -95,6 +95,20 @@ pub fn check(lights: &[Light], file: &str) -> Result<()> {
         ));
     }
     Ok(())
+}
+
+/// Notes lights from behind.
+pub fn note_behind(lights: &[Light], warnings: &mut Warnings) {
+    let behind = lights.iter().filter(|light| light.direction.z <= 0.0).count();
+    warnings.note("a light comes from behind the object", behind);
+}
+
+/// Notes vectors that differ in length.
+pub fn note_lengths(lengths: impl Iterator<Item = f64>, remedy: &str, warnings: &mut Warnings) {
+    let (least, most) = lengths.fold((f64::INFINITY, 0.0), |(least, most), v| (v.min(least), v.max(most)));
+    let what =
+        "the vectors of the lights differ in length, like positions of lamps: only their directions are used";
+    warnings.note(format!("{what}{remedy}"), usize::from(most > 1.05 * least));
 }
 
 /// Returns the smallest eigenvalue of the mean of l lᵀ.

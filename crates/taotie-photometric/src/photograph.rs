@@ -5,7 +5,7 @@ use crate::light::Light;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use taotie_engine::error::{Error, Result};
-use taotie_engine::image::{Bitmap, Texels};
+use taotie_engine::image::{Bitmap, Encoding, Texels};
 use taotie_engine::math::srgb::linear_from_srgb;
 use taotie_engine::names::Named;
 use taotie_io::{Limits, read_bitmap_within};
@@ -123,8 +123,7 @@ pub fn grey_image(path: &Path, transfer: Transfer, limits: &Limits) -> Result<Gr
     let bitmap = read_bitmap_within(path, limits)?;
     let shape = Shape::of(&bitmap);
     let pixels: Vec<u32> = (0..shape.width * shape.height).collect();
-    let curve = curve(transfer.of_bits(shape.bits), shape.bits);
-    let samples = Decoder { first: path, shape, pixels: &pixels, curve }.samples(path, &bitmap, [1.0; 3])?;
+    let samples = Decoder::new((path, shape), &pixels, transfer).samples(path, &bitmap, [1.0; 3])?;
     let values = samples.into_iter().map(Sample::grey).collect();
     Ok(GreyImage { width: shape.width as usize, height: shape.height as usize, values })
 }
@@ -153,8 +152,8 @@ impl std::fmt::Display for Shape {
     }
 }
 
-/// Returns the linear value of each code; empty for values that are linear already.
-pub fn curve(transfer: Transfer, bits: u8) -> Vec<f32> {
+/// Returns the linear value of each code; empty for linear values and floats.
+fn curve(transfer: Transfer, bits: u8) -> Vec<f32> {
     let codes = match (transfer, bits) {
         (Transfer::Srgb, 8) => 256,
         (Transfer::Srgb, 16) => 65_536,
@@ -166,16 +165,22 @@ pub fn curve(transfer: Transfer, bits: u8) -> Vec<f32> {
 /// Converts photographs to samples.
 pub struct Decoder<'a> {
     /// The first photograph, which determines the shape.
-    pub first: &'a Path,
-    /// Its shape.
-    pub shape: Shape,
+    first: &'a Path,
+    shape: Shape,
     /// The pixels to convert.
-    pub pixels: &'a [u32],
+    pixels: &'a [u32],
+    transfer: Transfer,
     /// The linear value of each code, as [`curve`].
-    pub curve: Vec<f32>,
+    curve: Vec<f32>,
 }
 
-impl Decoder<'_> {
+impl<'a> Decoder<'a> {
+    /// Makes a decoder for photographs of the shape of the first.
+    pub fn new((first, shape): (&'a Path, Shape), pixels: &'a [u32], transfer: Transfer) -> Self {
+        let transfer = transfer.of_bits(shape.bits);
+        Self { first, shape, pixels, transfer, curve: curve(transfer, shape.bits) }
+    }
+
     /// Returns the samples of a photograph's pixels, divided by the light's intensity.
     ///
     /// # Errors
@@ -215,8 +220,11 @@ impl Decoder<'_> {
         Ok(())
     }
 
-    /// Returns the linear value of a pixel, and true if a channel is saturated.
+    /// Returns the linear value of a pixel, black where it is transparent, and true if a channel is saturated.
     fn linear_texel(&self, bitmap: &Bitmap, i: usize) -> ([f32; 4], bool) {
+        if is_transparent(bitmap, i) {
+            return ([0.0; 4], false);
+        }
         match bitmap.texels() {
             Texels::U8(texels) => {
                 (self.linear(bitmap, i, texels[i].map(usize::from)), is_full(texels[i], u8::MAX))
@@ -224,12 +232,41 @@ impl Decoder<'_> {
             Texels::U16(texels) => {
                 (self.linear(bitmap, i, texels[i].map(usize::from)), is_full(texels[i], u16::MAX))
             }
+            Texels::F32(texels) if self.transfer == Transfer::Srgb => {
+                (texels[i].map(linear_from_float), false)
+            }
             Texels::F32(texels) => (texels[i], false),
         }
     }
 
     fn linear(&self, bitmap: &Bitmap, i: usize, codes: [usize; 4]) -> [f32; 4] {
         if self.curve.is_empty() { bitmap.stored(i) } else { codes.map(|code| self.curve[code]) }
+    }
+}
+
+/// Returns true if alpha leaves a pixel out.
+pub fn is_transparent(bitmap: &Bitmap, i: usize) -> bool {
+    matches!(bitmap.channels(), 2 | 4) && bitmap.stored(i)[3] < 0.5
+}
+
+fn linear_from_float(encoded: f32) -> f32 {
+    linear_from_srgb(encoded.into()) as f32
+}
+
+/// Returns a photograph whose texture, with this encoding, holds linear light.
+pub fn decodable(bitmap: Bitmap, transfer: Transfer) -> Result<(Bitmap, Encoding)> {
+    match (transfer.of_bits(bitmap.bits()), bitmap.texels()) {
+        (Transfer::Srgb, Texels::F32(texels)) => {
+            let texels = texels.iter().map(|[r, g, b, a]| {
+                let [r, g, b] = [*r, *g, *b].map(linear_from_float);
+                [r, g, b, *a]
+            });
+            let texels = Texels::F32(texels.collect());
+            let linear = Bitmap::new(bitmap.width(), bitmap.height(), bitmap.channels(), texels)?;
+            Ok((linear, Encoding::Linear))
+        }
+        (Transfer::Srgb, _) => Ok((bitmap, Encoding::Srgb)),
+        _ => Ok((bitmap, Encoding::Linear)),
     }
 }
 
@@ -244,11 +281,9 @@ mod tests {
 
     #[test]
     fn codes_become_linear_light() {
-        let decoder = |bits, transfer| Decoder {
-            first: Path::new("a.png"),
-            shape: Shape { width: 2, height: 1, bits },
-            pixels: &[0, 1],
-            curve: curve(transfer, bits),
+        let decoder = |bits, transfer| {
+            let shape = Shape { width: 2, height: 1, bits };
+            Decoder::new((Path::new("a.png"), shape), &[0, 1], transfer)
         };
         let path = Path::new("b.png");
         let bytes = Bitmap::new(2, 1, 3, Texels::U8(vec![[128, 128, 128, 255], [255, 0, 0, 255]])).unwrap();
@@ -258,6 +293,15 @@ mod tests {
         let words = Bitmap::new(2, 1, 3, Texels::U16(vec![[32768; 4], [0, 0, 0, 65535]])).unwrap();
         let read = decoder(16, Transfer::Linear).samples(path, &words, [2.0, 2.0, 2.0]).unwrap();
         assert!((read[0].grey() - 0.25).abs() < 1e-4 && read[1] == Sample::new(0.0, false));
+        let floats = vec![[0.5, 0.5, 0.5, 1.0], [0.5, 0.5, 0.5, 0.2]];
+        let floats = Bitmap::new(2, 1, 4, Texels::F32(floats)).unwrap();
+        for (transfer, grey) in [(Transfer::Srgb, 0.2140), (Transfer::Auto, 0.5)] {
+            let read = decoder(32, transfer).samples(path, &floats, [1.0; 3]).unwrap();
+            assert!((read[0].grey() - grey).abs() < 1e-4, "{transfer:?}: {:?}", read[0]);
+            assert_eq!(read[1], Sample::new(0.0, false), "transparent");
+            let (bitmap, _) = decodable(floats.clone(), transfer).unwrap();
+            assert!((bitmap.stored(0)[0] - grey).abs() < 1e-4);
+        }
         let error = decoder(8, Transfer::Srgb).samples(path, &words, [1.0; 3]).unwrap_err().to_string();
         assert!(
             error.contains("b.png: 2x1 pixels of 16 bits") && error.contains("a.png has 2x1 pixels of 8"),

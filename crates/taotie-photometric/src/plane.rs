@@ -1,7 +1,7 @@
 //! A rectangle with the estimated normals and albedo as textures, to be shown, rendered and compared.
 
 use crate::estimate::{Estimate, Estimator};
-use crate::indirect::{ASSUMED_ALBEDO, quantile};
+use crate::indirect::quantile;
 use crate::program::Finish;
 use taotie_engine::error::Result;
 use taotie_engine::image::{Bitmap, Encoding, Sampler, Texels, Texture, Wrap};
@@ -89,8 +89,7 @@ impl Estimate {
 
     fn base_colors(&self) -> Vec<[u8; 4]> {
         let bright = quantile(self.best.iter().flatten().map(|best| best.albedo).collect(), 0.95);
-        let albedo = if self.albedo > 0.0 { self.albedo } else { ASSUMED_ALBEDO };
-        let factor = albedo / bright.max(f64::MIN_POSITIVE);
+        let factor = self.albedo / bright.max(f64::MIN_POSITIVE);
         let colors = self.image(|_, best| [srgb_from_linear((best.albedo * factor).clamp(0.0, 1.0)); 3]);
         let code = |v: f32| (v * 255.0 + 0.5) as u8;
         colors.pixels().iter().map(|pixel| pixel.map(code)).collect()

@@ -1,10 +1,10 @@
 //! The pixels of all photographs within the mask, in linear light.
 
 use crate::light::{self, Light, near};
-use crate::photograph::{Decoder, Photograph, Sample, Shape, Transfer, curve};
+use crate::photograph::{Decoder, Photograph, Sample, Shape, Transfer};
 use crate::set::PhotographSet;
 use std::path::Path;
-use taotie_engine::error::{Error, Result};
+use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::image::Bitmap;
 use taotie_engine::math::Vec3;
 use taotie_engine::{Progress, parallel};
@@ -91,6 +91,13 @@ impl Samples {
         if mask.is_empty() {
             return Err(Error::invalid("an empty mask", "the balls cover all of it"));
         }
+        if let (Some(folder), Some(_)) = (reading.flat, &set.relightable) {
+            let what = format!("{}: photographs of a white board", folder.display());
+            return Err(Error::invalid(
+                what,
+                "a relightable image cannot be divided by them; leave them out",
+            ));
+        }
         let flats = reading.flat.map(|folder| flats(folder, set)).transpose()?;
         let count = set.photographs.len();
         let what = format!("{count} photographs of {}x{}", shape.width, shape.height);
@@ -100,7 +107,7 @@ impl Samples {
         let need = estimated_bytes(count, mask.len(), shape);
         reading.limits.check(what, Bytes(need))?;
         let transfer = reading.transfer.of_bits(shape.bits);
-        let decoder = Decoder { first, shape, pixels: &mask, curve: curve(transfer, shape.bits) };
+        let decoder = Decoder::new((first, shape), &mask, transfer);
         let done = std::sync::atomic::AtomicUsize::new(0);
         let images = parallel::try_tasks(count, &|i| {
             let photograph = &set.photographs[i];
@@ -157,7 +164,7 @@ impl Samples {
         };
         let transfer = transfer.of_bits(shape.bits);
         let first = Path::new("images[0]");
-        let decoder = Decoder { first, shape, pixels: &pixels, curve: curve(transfer, shape.bits) };
+        let decoder = Decoder::new((first, shape), &pixels, transfer);
         let images = parallel::try_tasks(photographs.len(), &|i| {
             decoder.samples(format!("images[{i}]").as_ref(), &photographs[i], lights[i].intensity)
         })?;
@@ -184,6 +191,18 @@ impl Samples {
     /// Returns true if a lamp is near, so that its direction depends on the pixel.
     pub fn is_near(&self) -> bool {
         self.positions.iter().any(Option::is_some)
+    }
+
+    /// Notes samples that are left out, and lamps where none can be.
+    pub fn note(&self, warnings: &mut Warnings) {
+        warnings.note("a saturated sample is left out", self.saturated());
+        let corner = 0.5 * f64::from(self.width).hypot(f64::from(self.height));
+        let within = self.positions.iter().flatten().filter(|lamp| lamp.length() < corner);
+        warnings.note(
+            "a lamp is closer to the picture's centre than a corner is: with the size of a pixel, the lights in the .lp file must \
+             be positions in its unit",
+            within.count(),
+        );
     }
 
     /// The number of samples that are saturated.
@@ -239,7 +258,7 @@ fn estimated_bytes(photographs: usize, pixels: usize, shape: Shape) -> u64 {
         + area * (DECODED * threads + 32)
 }
 
-fn mask_pixels(path: &Path, shape: Shape, limits: &Limits) -> Result<Vec<u32>> {
+pub(crate) fn mask_pixels(path: &Path, shape: Shape, limits: &Limits) -> Result<Vec<u32>> {
     pixels_within(&read_bitmap_within(path, limits)?, shape, &path.display().to_string())
 }
 

@@ -85,6 +85,10 @@ impl PhotographSet {
         let lps: Vec<&str> = folder.with_extension(&["lp"]).collect();
         let found = diligent::FILES.map(|name| folder.find(name));
         match (lps.as_slice(), found) {
+            ([], [Some(_), Some(_), Some(intensities)]) if setup.grey_ball.is_some() => {
+                let what = format!("{} and a grey ball: two sources of brightness", intensities.display());
+                Err(Error::invalid(what, "give only one of them"))
+            }
             ([], [Some(names), Some(directions), intensities]) => {
                 Self::of_diligent(&folder, [names, directions], intensities, warnings)
             }
@@ -175,6 +179,11 @@ impl PhotographSet {
 
     /// Makes photographs from a relightable image.
     fn of_relightable(path: &Path, setup: &Setup, warnings: &mut Warnings) -> Result<Self> {
+        if setup.grey_ball.is_some() {
+            let what = format!("{}: a relightable image has no photographs of a grey ball", path.display());
+            return Err(Error::invalid(what, "leave the ball out: its lights are equally bright"));
+        }
+        let mask = Folder::read(path.parent().unwrap_or(Path::new(".")))?.mask();
         let image = Relightable::open(path, &setup.limits)?;
         warnings.note(
             "relit from an image, not photographed: shadows and highlights are smoothed, so that normals are less accurate, and \
@@ -187,7 +196,7 @@ impl PhotographSet {
         };
         let photographs = lights_of_relit().into_iter().enumerate().map(photograph).collect();
         let set = Self::new(photographs, path, "relightable");
-        Ok(Self { files: vec![path.into()], relightable: Some(image), ..set })
+        Ok(Self { mask, files: vec![path.into()], relightable: Some(image), ..set })
     }
 
     fn of_balls((folder, path): (&Folder, &Path), setup: &Setup, progress: Progress<'_>) -> Result<Self> {
@@ -226,8 +235,7 @@ impl PhotographSet {
         let lights: Vec<Light> = self.photographs.iter().map(|photograph| photograph.light).collect();
         light::check(&lights, &self.lights.display().to_string())?;
         self.photographs.iter().try_for_each(|photograph| check_format(&photograph.path))?;
-        let behind = lights.iter().filter(|light| light.direction.z <= 0.0).count();
-        warnings.note("a light comes from behind the object", behind);
+        light::note_behind(&lights, warnings);
         let unlisted = folder.count().saturating_sub(self.photographs.len());
         warnings.note("a photograph in the folder has no light", unlisted);
         Ok(self)
@@ -318,11 +326,8 @@ fn place_lamps(
     let lengths = || entries.iter().map(|entry| Vec3::from_array(entry.vector).length());
     let (least, most) = lengths().fold((f64::INFINITY, 0.0), |(least, most), v| (v.min(least), v.max(most)));
     let Some(pixel_size) = setup.pixel_size else {
-        warnings.note(
-            "the vectors of the lights differ in length, like positions of lamps: only their directions are used, unless \
-             --pixel-size states the size of a pixel in their unit",
-            usize::from(most > 1.05 * least),
-        );
+        let remedy = ", unless --pixel-size states the size of a pixel in their unit";
+        light::note_lengths(lengths(), remedy, warnings);
         return Ok(());
     };
     if least > 0.99 && most < 1.01 {

@@ -14,7 +14,8 @@ use taotie_engine::names::Named;
 use taotie_engine::{Error, Progress, Result, Warnings};
 use taotie_io::{FileSet, Limits};
 use taotie_photometric::{
-    Estimate, Estimator, Light, PhotographSet, Reading, Relief, Samples, Setup, Transfer,
+    Estimate, Estimator, Light, PhotographSet, Reading, Relief, Samples, Setup, Transfer, note_behind,
+    note_lengths,
 };
 
 /// Photographs: a path, or images with a row for each light.
@@ -104,13 +105,16 @@ fn estimated(source: Source, request: &Request, progress: Progress<'_>) -> Resul
                 let wrong = || Error::invalid(format!("lights row {i}"), "a vector without a direction");
                 Light::towards(vector).ok_or_else(wrong)
             };
+            let lengths = lights.iter().map(|v| v.iter().map(|v| v * v).sum::<f64>().sqrt());
+            note_lengths(lengths.collect::<Vec<_>>().into_iter(), "", &mut warnings);
             let lights = lights.into_iter().enumerate().map(light).collect::<Result<Vec<_>>>()?;
+            note_behind(&lights, &mut warnings);
             let images = images.into_iter().map(Taken::bitmap).collect::<Result<Vec<_>>>()?;
             let mask = mask.map(Taken::bitmap).transpose()?;
             Samples::of(&images, &lights, mask.as_ref(), transfer)?
         }
     };
-    warnings.note("a saturated sample is left out", samples.saturated());
+    samples.note(&mut warnings);
     let estimate = Estimate::of(&samples, progress)?;
     let without = estimate.best.iter().filter(|best| best.is_none()).count();
     warnings.note("a pixel has no normal: too little light, or too few samples that agree", without);

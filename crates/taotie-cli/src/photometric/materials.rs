@@ -114,7 +114,9 @@ pub fn run(args: &PhotometricArgs, path: &Path) -> Result<MaterialsReport> {
     warnings.absorb(loaded.warnings);
     warnings
         .note("the model moves: it is measured and written at rest", usize::from(loaded.moving.is_some()));
-    files.protect(transforms.frames.iter().map(|frame| &frame.path))?;
+    files.protect(
+        transforms.frames.iter().flat_map(|frame| [Some(&frame.path), frame.mask.as_ref()]).flatten(),
+    )?;
     files.protect([&args.input, &path.to_path_buf()].into_iter().chain(&loaded.files))?;
     let model = Model::new(loaded.scene).map_err(|error| error.within(path.display()))?;
     model.check_maps().map_err(|error| error.within(path.display()))?;

@@ -129,7 +129,7 @@ fn make(order: &Order<'_>, warnings: &mut Warnings) -> Result<Report> {
     let Order { set, options, files, progress, .. } = *order;
     let reading = options.reading(order.limits);
     let samples = Samples::read(set, &reading, progress.begin("read")?)?;
-    note_samples(&samples, warnings);
+    samples.note(warnings);
     let size = [samples.width, samples.height];
     let truth = order.truth.as_ref().map(|truth| averaged(truth, size)).transpose()?;
     let estimate = Estimate::of(&samples, progress)?;
@@ -167,17 +167,6 @@ fn make(order: &Order<'_>, warnings: &mut Warnings) -> Result<Report> {
         report.warnings = warnings.list();
     }
     Ok(report)
-}
-
-fn note_samples(samples: &Samples, warnings: &mut Warnings) {
-    warnings.note("a saturated sample is left out", samples.saturated());
-    let corner = 0.5 * f64::from(samples.width).hypot(f64::from(samples.height));
-    let within = samples.positions.iter().flatten().filter(|lamp| lamp.length() < corner);
-    warnings.note(
-        "a lamp is closer to the picture's centre than a corner is: with --pixel-size, the lights in the .lp file must be \
-         positions in its unit",
-        within.count(),
-    );
 }
 
 /// Returns the errors of each estimator in degrees.

@@ -230,7 +230,7 @@ impl Report {
         let _ = match self.shadow_samples {
             0 => writeln!(
                 text,
-                "albedo     {:.2} assumed for bright pixels: too few shadows to measure it, so that indirect light is not removed",
+                "albedo     {:.2} assumed for bright pixels: shadows are too few or too dark to measure it, so that indirect light is not removed",
                 self.albedo
             ),
             count => writeln!(

@@ -16,8 +16,8 @@ use taotie_engine::scene::Scene;
 #[derive(Args)]
 #[command(next_help_heading = "Light")]
 pub struct LightArgs {
-    /// A light: `point at=X,Y,Z`, `spot at=X,Y,Z toward=X,Y,Z angle=DEG`, or `directional from=AZIMUTH,ELEVATION`
-    /// (degrees, relative to the view), each with strength=, color=, falloff=none|inverse-square; may be repeated
+    /// A light: `point at=X,Y,Z`, `spot at=X,Y,Z toward=X,Y,Z angle=DEG` (from its axis), or `directional
+    /// from=AZIMUTH,ELEVATION` (degrees, relative to the view), each with strength=, color=, falloff=none|inverse-square; may be repeated
     /// [default: the file's lights, otherwise key, fill and rim]
     #[arg(long = "light", value_name = "SPEC")]
     pub lights: Vec<String>,

@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::image::Texture;
 use crate::math::{Mat4, Vec2, Vec3};
 use crate::mesh::{Mesh, Point, blend, each};
-use crate::pixel::NormalSource;
+use crate::pixel::{MaterialUniforms, NormalSource, PassedLight};
 use crate::scene::{AlphaMode, Instance, Material, SceneData, TextureRef, UvTransform};
 use std::borrow::Cow;
 
@@ -186,6 +186,24 @@ impl Appearance {
             occlusion: 1.0 + material.occlusion_strength * (open - 1.0),
             emission: Vec3::from_array(material.emissive).mul_elements(rgb(read(&material.emissive_texture))),
         }
+    }
+
+    /// Returns the share of light from behind that passes through the surface at a point, as [`PassedLight::share`].
+    pub fn passed(&self, mesh: &Mesh, at: LookupPoint) -> f32 {
+        let material = self.material(at.point.triangle);
+        let Some(transmission) = material.transmission.filter(|_| material.transmits()) else { return 0.0 };
+        let read = |used: &Option<TextureRef>| {
+            used.as_ref().map_or([1.0; 4], |used| self.texture(mesh, used).read(at))
+        };
+        let MaterialSample { color, metallic, .. } = self.sample(mesh, at);
+        let specular = material.specular.factor * read(&material.specular.factor_texture)[3];
+        let passed = PassedLight {
+            transmission: transmission.factor * read(&transmission.texture)[0],
+            metallic,
+            base_color: color,
+            f0: MaterialUniforms::new(material).dielectric_f0 * specular,
+        };
+        passed.share()
     }
 
     /// Returns the width of the finest texel of all textures at a point, in model units; `None` without textures.

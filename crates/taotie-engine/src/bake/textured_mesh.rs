@@ -145,8 +145,8 @@ impl TexturedMesh {
     /// # Panics
     /// If the mesh has no such triangle.
     pub fn is_solid_at(&self, point: Point) -> bool {
-        let transmission = self.material(point.triangle).transmission.map_or(0.0, |layer| layer.factor);
-        transmission <= NOTICEABLE_ALPHA && self.has_alpha(point, 1.0 - NOTICEABLE_ALPHA)
+        let passed = self.appearance.passed(&self.mesh, LookupPoint::finest(point));
+        passed <= NOTICEABLE_ALPHA && self.has_alpha(point, 1.0 - NOTICEABLE_ALPHA)
     }
 
     /// Returns `true` if alpha reaches a mask's cutoff, or is above `least` if blended.

@@ -244,6 +244,9 @@ pub struct PassedLight<L> {
     pub f0: L,
 }
 
+/// The share of light that passes a surface from which it casts no shadow.
+pub const CLEAR: f32 = 0.5;
+
 impl<L: Lane> PassedLight<L> {
     /// Returns the share of light from behind that passes, at most 0.99. Surfaces are composited with one opacity for all
     /// channels, so that the base colour darkens what is behind, but does not tint it.

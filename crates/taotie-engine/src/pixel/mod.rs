@@ -38,9 +38,9 @@ pub use light::{
 };
 pub(crate) use material::takes_layers;
 pub use material::{
-    MaterialPoint, MaterialUniforms, MaterialValues, Model, PassedLight, anisotropy_turn, height_derivative,
-    height_step, is_cook_torrance, lobe_roughness, lobe_slope, log2_texels, mapped_variance, occluded,
-    own_turn, takes_albedos, takes_compensation, takes_roughness, turned_uv,
+    CLEAR, MaterialPoint, MaterialUniforms, MaterialValues, Model, PassedLight, anisotropy_turn,
+    height_derivative, height_step, is_cook_torrance, lobe_roughness, lobe_slope, log2_texels,
+    mapped_variance, occluded, own_turn, takes_albedos, takes_compensation, takes_roughness, turned_uv,
 };
 pub use program::{
     AnisotropyInputs, CoatInputs, EnvironmentSource, IncidentLight, LayerInputs, NormalValues, PixelInputs,

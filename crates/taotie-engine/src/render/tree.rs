@@ -4,7 +4,7 @@
 use super::batch::{BATCH, Batch, get3};
 use super::draw::{Draw, Draws};
 use crate::math::{Vec2, Vec3};
-use crate::pixel::{LightSource, MaterialUniforms, PassedLight};
+use crate::pixel::{CLEAR, LightSource, MaterialUniforms, PassedLight};
 use crate::scene::{AlphaMode, Scene, TextureRef};
 use crate::trace::{Bvh, Hit, Ray};
 use fearless_simd::Level;
@@ -27,7 +27,7 @@ impl SceneTree {
     }
 }
 
-/// The surfaces that cast shadows. Blended and transmitting ones cast none.
+/// The surfaces that cast shadows. Blended ones cast none, and transmitting ones none where half of the light passes.
 #[derive(Clone, Copy)]
 pub(super) struct Casters<'t> {
     pub tree: &'t SceneTree,
@@ -43,8 +43,9 @@ impl Casters<'_> {
     /// Returns true if the surface exists at the point hit.
     fn blocks(&self, hit: &Hit) -> bool {
         let draw = self.draws.of(hit.triangle);
+        let passes = || Footprint::of(draw, hit).passed(self.draws.scene, draw) >= CLEAR;
         match draw.material.alpha {
-            _ if draw.material.transmits() => false,
+            _ if draw.material.transmits() && passes() => false,
             AlphaMode::Opaque => true,
             AlphaMode::Mask(cutoff) => Footprint::of(draw, hit).alpha(self.draws.scene, draw) >= cutoff,
             AlphaMode::Blend => false,

@@ -4,6 +4,7 @@
 use super::accessor::{Accessor, float};
 use super::document::Document;
 use super::geometry::{Vertices, attribute, compact, read_indices, triangulate};
+use super::nodes::keyframes;
 use super::primitives::{bytes_of, most_elements};
 use super::raw::{DRACO, extension};
 use super::raw::{GltfSource, RawGltf};
@@ -21,6 +22,7 @@ use std::sync::Arc;
 use taotie_engine::error::{Result, Warnings};
 use taotie_engine::image::Bitmap;
 use taotie_engine::mesh::{Mesh, repair};
+use taotie_engine::scene::animation::Sampler;
 use taotie_engine::surface::{TangentMethod, with_tangents};
 
 /// An attribute of vertices, or of a morph target.
@@ -51,16 +53,16 @@ pub(crate) struct StoredPrimitive {
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// The times or values of animations, as floats.
+/// The keyframes of an animation.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct StoredTrack {
-    /// An animation, and a sampler of it that reads them.
-    pub sampler: [usize; 2],
-    /// The member of the sampler that names them: `input` for times, `output` for values.
-    pub member: &'static str,
-    /// `true` for rotations, whose numbers are at most 1.
+    /// The index of the animation, and of its sampler.
+    pub place: [usize; 2],
+    /// `true` if all channels that use them are rotations, `false` if none is.
     pub is_rotation: bool,
-    pub values: StoredAttribute,
+    /// The number of components of a stored element.
+    pub width: usize,
+    pub keys: Sampler,
 }
 
 /// The stored content of a file.
@@ -68,7 +70,7 @@ pub(crate) struct StoredTrack {
 pub(crate) struct Content {
     /// Vertices of the triangle primitives that no extension packs and that can be read completely.
     pub vertices: Vec<StoredVertices>,
-    /// Those of animations, once for each accessor.
+    /// The keyframes of animations.
     pub tracks: Vec<StoredTrack>,
     /// The images in file order; `None` for one that cannot be decoded.
     pub images: Vec<Option<Bitmap>>,
@@ -127,31 +129,34 @@ impl Reader<'_> {
 
     fn tracks(&self) -> Vec<StoredTrack> {
         let mut budget = most_elements(self.document);
-        let mut found: BTreeMap<usize, Option<StoredTrack>> = BTreeMap::new();
+        let mut found = Vec::new();
         for (a, animation) in list(self.json, "animations").enumerate() {
             for (s, sampler) in list(animation, "samplers").enumerate() {
-                let rotates = |channel: &Value| {
-                    let path = channel.pointer("/target/path").and_then(Value::as_str);
-                    number(channel, "sampler") == Some(s) && path == Some("rotation")
-                };
-                let is_rotation = list(animation, "channels").any(rotates);
-                for (member, is_rotation) in [("input", false), ("output", is_rotation)] {
-                    let Some(index) = number(sampler, member) else { continue };
-                    let track = |values| StoredTrack { sampler: [a, s], member, is_rotation, values };
-                    let own = found
-                        .entry(index)
-                        .or_insert_with(|| self.attribute((member, index), &mut budget).ok().map(track));
-                    // An accessor with several uses stays as it is.
-                    let is_same = |own: &StoredTrack| (own.member, own.is_rotation) == (member, is_rotation);
-                    if !own.as_ref().is_some_and(is_same) {
-                        *own = None;
-                    }
+                let own = list(animation, "channels").filter(|channel| number(channel, "sampler") == Some(s));
+                let rotates = |channel: &Value| channel.pointer("/target/path") == Some(&"rotation".into());
+                let (turning, others): (Vec<_>, Vec<_>) = own.partition(|channel| rotates(channel));
+                let Ok((width, keys)) = self.keys(sampler, &mut budget) else { continue };
+                let is_rotation = others.is_empty();
+                let can_pack = if is_rotation { width == 4 } else { turning.is_empty() && width <= 4 };
+                if can_pack {
+                    found.push(StoredTrack { place: [a, s], is_rotation, width, keys });
                 }
             }
         }
-        let can_pack =
-            |track: &StoredTrack| track.values.is_float() && (1..=4).contains(&track.values.elements.width);
-        found.into_values().flatten().filter(can_pack).collect()
+        found
+    }
+
+    /// Returns the keyframes of a sampler, and the components of a stored element.
+    fn keys(&self, sampler: &Value, budget: &mut usize) -> Reason<(usize, Sampler)> {
+        let typed: gltf::json::animation::Sampler =
+            gltf::json::deserialize::from_value(sampler.clone()).map_err(|e| e.to_string())?;
+        let width = Accessor::open(self.document, typed.output.value())?.width;
+        let before = *budget;
+        let keys = keyframes(self.document, &typed, budget)?;
+        if !self.document.reading.take(bytes_of(before - *budget, 0)) {
+            return Err("it does not fit in memory".into());
+        }
+        Ok((width, keys))
     }
 
     /// Returns the triangles of a primitive; `None` if it has none, or is packed by an extension.

@@ -523,32 +523,37 @@ impl AnimationReader<'_> {
         let json = self.json.get("samplers").and_then(|samplers| samplers.get(index));
         let json = json.ok_or_else(|| no_such("sampler", index))?.clone();
         let json = json::deserialize::from_value(json).map_err(|e| malformed("sampler", &e))?;
-        let sampler = self.keyframes(&json).map_err(|why| format!("sampler {index}: {why}"))?;
+        let sampler = keyframes(self.document, &json, &mut self.budget);
+        let sampler = sampler.map_err(|why| format!("sampler {index}: {why}"))?;
         self.animation.samplers.push(sampler);
         self.samplers.insert(index, self.animation.samplers.len() - 1);
         Ok(self.animation.samplers.len() - 1)
     }
+}
 
-    fn keyframes(&mut self, json: &json::animation::Sampler) -> Reason<Sampler> {
-        let interpolation = match json.interpolation {
-            Checked::Valid(JsonInterpolation::Step) => Interpolation::Step,
-            Checked::Valid(JsonInterpolation::Linear) => Interpolation::Linear,
-            Checked::Valid(JsonInterpolation::CubicSpline) => Interpolation::CubicSpline,
-            Checked::Invalid => return Err("unknown interpolation".into()),
-        };
-        let input = Accessor::open(self.document, json.input.value())?;
-        if input.width != 1 {
-            return Err("times must be scalars".into());
-        }
-        let output = Accessor::open(self.document, json.output.value())?;
-        let numbers = output.count.saturating_mul(output.width).saturating_add(input.count);
-        self.budget =
-            self.budget.checked_sub(numbers).ok_or("too many keyframes for the size of the file")?;
-        let times = (0..input.count).map(|i| input.floats::<1>(i)[0]).collect();
-        let element = |i| output.floats::<16>(i).into_iter().take(output.width);
-        let values = (0..output.count).flat_map(element).collect();
-        Sampler::new(interpolation, times, values).map_err(|error| error.to_string())
+/// Reads the keyframes of a sampler. `budget` is the number of times and values that may still be read.
+pub(super) fn keyframes(
+    document: &Document,
+    json: &json::animation::Sampler,
+    budget: &mut usize,
+) -> Reason<Sampler> {
+    let interpolation = match json.interpolation {
+        Checked::Valid(JsonInterpolation::Step) => Interpolation::Step,
+        Checked::Valid(JsonInterpolation::Linear) => Interpolation::Linear,
+        Checked::Valid(JsonInterpolation::CubicSpline) => Interpolation::CubicSpline,
+        Checked::Invalid => return Err("unknown interpolation".into()),
+    };
+    let input = Accessor::open(document, json.input.value())?;
+    if input.width != 1 {
+        return Err("times must be scalars".into());
     }
+    let output = Accessor::open(document, json.output.value())?;
+    let numbers = output.count.saturating_mul(output.width).saturating_add(input.count);
+    *budget = budget.checked_sub(numbers).ok_or("too many keyframes for the size of the file")?;
+    let times = (0..input.count).map(|i| input.floats::<1>(i)[0]).collect();
+    let element = |i| output.floats::<16>(i).into_iter().take(output.width);
+    let values = (0..output.count).flat_map(element).collect();
+    Sampler::new(interpolation, times, values).map_err(|error| error.to_string())
 }
 
 fn malformed(what: &str, error: &json::Error) -> String {

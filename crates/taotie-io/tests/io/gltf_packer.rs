@@ -116,7 +116,7 @@ fn what_moves_keeps_its_triangles() {
             };
             let ((mean, size), (other, other_size)) = (posed(&own), posed(&loaded));
             let off = (mean - other).length().max((size - other_size).abs());
-            assert!(off <= 1e-4 * size, "{}: {off} of {size}", path.display());
+            assert!(off <= 5e-4 * size, "{}: {off} of {size}", path.display());
             count += 1;
         }
     }

@@ -8,6 +8,8 @@ use taotie_engine::math::{Mat4, Vec3, scalar};
 pub struct Frame {
     /// The image file.
     pub path: PathBuf,
+    /// An image of the same size, black where the photograph does not count; `None` if all of it counts.
+    pub mask: Option<PathBuf>,
     /// A rigid transform from view space to the model's world space. The camera looks along −z with +y up.
     pub world_from_view: Mat4,
     /// The projection.

@@ -4,10 +4,11 @@ use super::frame::Frame;
 use super::layout::Layout;
 use super::model::Model;
 use super::sight::{Seen, Sight};
-use crate::photograph::Transfer;
+use crate::photograph::{Shape, Transfer, decodable, is_transparent};
+use crate::samples::mask_pixels;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use taotie_engine::error::{Error, Result};
-use taotie_engine::image::{Bitmap, Encoding, MipFilter, Sampler, Texels, Texture, Wrap};
+use taotie_engine::image::{Bitmap, MipFilter, Sampler, Texels, Texture, Wrap};
 use taotie_engine::math::{Vec2, scalar};
 use taotie_engine::{Progress, parallel};
 use taotie_io::{Bytes, Limits, most_threads, read_bitmap_within};
@@ -139,6 +140,8 @@ fn check_memory(texels: usize, photos: &Photos<'_>) -> Result<()> {
 struct Photo {
     texture: Texture,
     size: [u32; 2],
+    /// `true` for each pixel that is transparent or black in the mask; empty if all count.
+    left_out: Vec<bool>,
 }
 
 impl Photo {
@@ -146,11 +149,9 @@ impl Photo {
         let bitmap = read_bitmap_within(&frame.path, &photos.limits)?;
         let size = [bitmap.width(), bitmap.height()];
         check_size(frame, size)?;
-        let encoding = match photos.transfer.of_bits(bitmap.bits()) {
-            Transfer::Srgb => Encoding::Srgb,
-            _ => Encoding::Linear,
-        };
-        Ok(Self { texture: Texture::new(bitmap, encoding), size })
+        let left_out = left_out(frame, &bitmap, &photos.limits)?;
+        let (bitmap, encoding) = decodable(bitmap, photos.transfer)?;
+        Ok(Self { texture: Texture::new(bitmap, encoding), size, left_out })
     }
 
     /// Returns the colours of the texels that the photograph shows, and the number of those that are saturated.
@@ -159,6 +160,9 @@ impl Photo {
         let mut found = Vec::new();
         for (i, texel) in layout.texels.iter().enumerate() {
             let Some(seen) = sight.of(texel) else { continue };
+            if !self.left_out.is_empty() && pixels(self.size, &seen).any(|i| self.left_out[i]) {
+                continue;
+            }
             if is_saturated(self.texture.bitmap(), &seen) {
                 saturated += 1;
                 continue;
@@ -191,21 +195,43 @@ fn check_size(frame: &Frame, size: [u32; 2]) -> Result<()> {
     Err(Error::invalid(what, why))
 }
 
+/// Returns for each pixel whether it is transparent or black in the mask; nothing if all count.
+fn left_out(frame: &Frame, bitmap: &Bitmap, limits: &Limits) -> Result<Vec<bool>> {
+    let count = bitmap.texels().len();
+    let mut left_out = Vec::new();
+    if bitmap.has_alpha() {
+        left_out = (0..count).map(|i| is_transparent(bitmap, i)).collect();
+    }
+    if let Some(path) = &frame.mask {
+        let shape = Shape::of(bitmap);
+        left_out.resize(count, false);
+        let mut inside = mask_pixels(path, shape, limits)?.into_iter().peekable();
+        for (i, left_out) in left_out.iter_mut().enumerate() {
+            *left_out |= inside.next_if(|next| *next as usize == i).is_none();
+        }
+    }
+    Ok(left_out)
+}
+
+/// Returns the pixels that show a texel.
+fn pixels([width, height]: [u32; 2], seen: &Seen) -> impl Iterator<Item = usize> + use<> {
+    let (place, reach) = (seen.projected.place, seen.reach);
+    let range = |axis: usize, size: u32| {
+        let last = f64::from(size - 1);
+        let [from, to] = [-reach, reach].map(|by| (place[axis] + by).floor().clamp(0.0, last) as usize);
+        from..=to
+    };
+    let (columns, rows) = (range(0, width), range(1, height));
+    rows.flat_map(move |y| columns.clone().map(move |x| y * width as usize + x))
+}
+
 /// Returns true if a channel of a pixel that shows a texel has the largest code.
 fn is_saturated(bitmap: &Bitmap, seen: &Seen) -> bool {
     fn any<T: PartialEq + Copy>(texels: &[[T; 4]], most: T, pixels: impl Iterator<Item = usize>) -> bool {
         let mut pixels = pixels;
         pixels.any(|i| texels[i][..3].contains(&most))
     }
-    let range = |axis: usize, size: u32| {
-        let place = seen.projected.place[axis];
-        let last = f64::from(size - 1);
-        (place - seen.reach).floor().clamp(0.0, last) as usize
-            ..=(place + seen.reach).floor().clamp(0.0, last) as usize
-    };
-    let (columns, rows) = (range(0, bitmap.width()), range(1, bitmap.height()));
-    let width = bitmap.width() as usize;
-    let pixels = rows.flat_map(|y| columns.clone().map(move |x| y * width + x));
+    let pixels = pixels([bitmap.width(), bitmap.height()], seen);
     match bitmap.texels() {
         Texels::U8(texels) => any(texels, u8::MAX, pixels),
         Texels::U16(texels) => any(texels, u16::MAX, pixels),

@@ -3,11 +3,13 @@
 use super::estimate::{MaterialEstimate, MaterialsEstimate, TexelEstimate};
 use super::model::Model;
 use super::reflection::{METALLIC, ROUGHNESS, VARIABLES};
+use std::collections::{BTreeMap, BTreeSet};
 use taotie_engine::error::{Result, Warnings};
 use taotie_engine::image::{Bitmap, Encoding, Image, Sampler, Texels, Texture};
 use taotie_engine::math::srgb::srgb_from_linear;
+use taotie_engine::mesh::{Mesh, MeshData};
 use taotie_engine::scene::{
-    AlphaMode, Classic, LAYERS, Layer, Material, Scene, Specular, TextureRef, UvTransform,
+    AlphaMode, Classic, Instance, LAYERS, Layer, Material, Scene, Specular, TextureRef, UvTransform,
 };
 
 /// The maps of one material, row by row from the top. Texels that no photograph shows have the values of those around them.
@@ -165,8 +167,33 @@ impl MaterialsEstimate {
             let material = measured(model.material(index), [colors, others], warnings);
             scene.edit(|data| data.materials[index] = material)?;
         }
-        Ok(scene)
+        let measured = self.materials.iter().map(|of| of.layout.material).collect();
+        without_colors(scene, &measured, warnings)
     }
+}
+
+/// Removes the vertex colours of what has a measured material: they are part of the measured base colour.
+fn without_colors(scene: Scene, measured: &BTreeSet<usize>, warnings: &mut Warnings) -> Result<Scene> {
+    let mut data = scene.into_data();
+    let others = data.instances.iter().filter(|instance| !measured.contains(&instance.material));
+    let kept: BTreeSet<usize> = others.map(|instance| instance.mesh).collect();
+    let mut plain = BTreeMap::new();
+    for i in 0..data.instances.len() {
+        let Instance { mesh, material, .. } = data.instances[i];
+        if !measured.contains(&material) || data.meshes[mesh].colors().is_empty() {
+            continue;
+        }
+        let own = data.meshes[mesh].clone().into_data();
+        let own = Mesh::new(MeshData { colors: Vec::new(), ..own })?;
+        let place = if kept.contains(&mesh) { *plain.entry(mesh).or_insert(data.meshes.len()) } else { mesh };
+        match data.meshes.get_mut(place) {
+            Some(known) => *known = own,
+            None => data.meshes.push(own),
+        }
+        data.instances[i].mesh = place;
+        warnings.note("vertex colours are part of the measured base colour, and removed", 1);
+    }
+    Scene::new(data)
 }
 
 /// The layer whose factors are part of the fit.

@@ -55,6 +55,7 @@ struct LensKeys {
 #[derive(Debug, Clone, Deserialize)]
 struct FrameKeys {
     file_path: String,
+    mask_path: Option<String>,
     transform_matrix: Vec<Vec<f64>>,
 }
 
@@ -178,7 +179,9 @@ impl Reader<'_> {
         let at = format!("frames[{i}]");
         let failed = |what: String| Error::parse(self.path, &at, what);
         let keys: FrameKeys = read(own).map_err(&failed)?;
-        let path = self.photograph(&keys.file_path).map_err(&failed)?;
+        let path = self.image(("file_path", &keys.file_path)).map_err(&failed)?;
+        let mask =
+            keys.mask_path.map(|name| self.image(("mask_path", &name)).map_err(&failed)).transpose()?;
         check_format(&path)?;
         let lens = self.lens(own, &at)?;
         let world_from_view = rigid(&keys.transform_matrix).map_err(&failed)?;
@@ -190,11 +193,11 @@ impl Reader<'_> {
                 return Err(failed(what.to_owned()));
             }
         };
-        Ok(Frame { path, world_from_view, lens, lamp })
+        Ok(Frame { path, mask, world_from_view, lens, lamp })
     }
 
-    /// Returns the path of a photograph, which may be named without its extension.
-    fn photograph(&self, name: &str) -> std::result::Result<PathBuf, String> {
+    /// Returns the path of an image, which may be named without its extension, given the key that names it.
+    fn image(&self, (key, name): (&str, &str)) -> std::result::Result<PathBuf, String> {
         let path = self.path.parent().unwrap_or(Path::new("")).join(name);
         if path.is_file() {
             return Ok(path);
@@ -202,14 +205,12 @@ impl Reader<'_> {
         let with = |extension: &str| PathBuf::from(format!("{}.{extension}", path.display()));
         let found = EXTENSIONS.iter().map(|extension| with(extension)).find(|path| path.is_file());
         found.ok_or_else(|| {
-            format!(
-                "{} does not exist; correct `file_path` or add the photograph",
-                quote(&path.display().to_string())
-            )
+            format!("{} does not exist; correct `{key}` or add the image", quote(&path.display().to_string()))
         })
     }
 
-    /// Returns the lens of a photograph: its own keys take precedence over those of the file.
+    /// Returns the lens of a photograph: its own keys take precedence over those of the file, of focal lengths and angles of
+    /// view together.
     fn lens(&self, own: &Value, at: &str) -> Result<Lens> {
         let failed = |at: &str, what: String| Error::parse(self.path, at, what);
         for value in [self.all, own] {
@@ -234,9 +235,14 @@ impl Reader<'_> {
             let what = format!("{}: a fisheye lens", self.path.display());
             return Err(Error::unsupported(what, "undistort the photographs"));
         }
+        let own_width = [own.fl_x, own.fl_y, own.camera_angle_x, own.camera_angle_y];
+        let [fl_x, fl_y, camera_angle_x, camera_angle_y] = match own_width.iter().any(Option::is_some) {
+            true => own_width,
+            false => [file.fl_x, file.fl_y, file.camera_angle_x, file.camera_angle_y],
+        };
         let lens = Lens {
-            focal: [own.fl_x.or(file.fl_x), own.fl_y.or(file.fl_y)],
-            angle: [own.camera_angle_x.or(file.camera_angle_x), own.camera_angle_y.or(file.camera_angle_y)],
+            focal: [fl_x, fl_y],
+            angle: [camera_angle_x, camera_angle_y],
             centre: [own.cx.or(file.cx), own.cy.or(file.cy)],
             size: [own.w.or(file.w), own.h.or(file.h)],
         };
@@ -352,6 +358,19 @@ mod tests {
         assert_eq!(frames[0].lens.angle, [Some(0.7), None]);
         let lamp = Lamp { place: LampPlace::At(Vec3::new(1.0, 2.0, 4.0)), intensity: [2.0; 3] };
         assert_eq!(frames[0].lamp, lamp);
+    }
+
+    #[test]
+    fn a_frame_states_its_whole_angle_of_view() {
+        let light = r#""light": {"direction": [0, 0, 1]}"#;
+        let frame = format!(r#"{{"file_path": "a.png", "mask_path": "a", "camera_angle_x": 0.7, {POSE}}}"#);
+        let text = format!(r#"{{"fl_x": 200, "fl_y": 200, "cx": 3, {light}, "frames": [{frame}]}}"#);
+        let frames = opened(&text).unwrap().frames;
+        let Lens { focal, angle, centre, .. } = frames[0].lens;
+        assert_eq!((focal, angle, centre), ([None; 2], [Some(0.7), None], [Some(3.0), None]));
+        assert!(frames[0].mask.as_ref().is_some_and(|mask| mask.ends_with("a.png")));
+        let missing = text.replace(r#""mask_path": "a""#, r#""mask_path": "b""#);
+        assert!(opened(&missing).unwrap_err().to_string().contains("correct `mask_path`"));
     }
 
     #[test]

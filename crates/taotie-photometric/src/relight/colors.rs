@@ -1,6 +1,6 @@
 //! Photographs in colour, as they are displayed.
 
-use crate::photograph::{Decoder, Shape, curve, flattening};
+use crate::photograph::{Decoder, Shape, flattening};
 use crate::samples::{Reading, flats};
 use crate::set::PhotographSet;
 use std::path::PathBuf;
@@ -24,8 +24,6 @@ pub struct ColorReader<'a> {
     shape: Shape,
     /// The numbers of all pixels.
     pixels: Vec<u32>,
-    /// The linear value of each code.
-    curve: Vec<f32>,
     /// Photographs of a white board under each light.
     flats: Option<Vec<PathBuf>>,
     lights: Vec<Vec3<f64>>,
@@ -44,14 +42,12 @@ impl<'a> ColorReader<'a> {
     pub fn new(set: &'a PhotographSet, reading: &Reading<'a>, white: f64) -> Result<Self> {
         let first = &set.photographs[0].path;
         let shape = Shape::of(&read_bitmap_within(first, &reading.limits)?);
-        let transfer = reading.transfer.of_bits(shape.bits);
         let encode = |step: usize| srgb_from_linear(step as f64 / (STEPS - 1) as f64) as f32;
         Ok(Self {
             set,
             reading: *reading,
             shape,
             pixels: (0..shape.width * shape.height).collect(),
-            curve: curve(transfer, shape.bits),
             flats: reading.flat.map(|folder| flats(folder, set)).transpose()?,
             lights: set.photographs.iter().map(|photograph| photograph.light.direction).collect(),
             encoded: parallel::collect(STEPS, encode),
@@ -105,7 +101,7 @@ impl<'a> ColorReader<'a> {
 
     fn decoder(&self) -> Decoder<'_> {
         let first = &self.set.photographs[0].path;
-        Decoder { first, shape: self.shape, pixels: &self.pixels, curve: self.curve.clone() }
+        Decoder::new((first, self.shape), &self.pixels, self.reading.transfer)
     }
 
     /// Returns the factor of each pixel that removes differences between the lights; empty if there are none.

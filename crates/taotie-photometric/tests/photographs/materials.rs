@@ -337,6 +337,39 @@ fn a_bronze_is_measured_from_photographs() {
     assert!(found.roughness < 0.02 && found.delta_e < 1.0 && found.metallic < 0.05, "{found:?}");
 }
 
+/// Masks leave out parts of photographs, and the colours of vertices are part of the measured base colour.
+#[test]
+fn masks_count_and_colors_of_vertices_are_replaced() {
+    let truth = textured(sheet(16), &bronze(16, false));
+    let shooting = Shooting { photographs: 12, side: 32, spp: 2, bounces: 0, noise: 0.0, front: 0.75 };
+    let photographs = photograph(&truth, shooting);
+    let painted = {
+        let mut painted = bare(&truth);
+        let own = painted.meshes()[0].clone().into_data();
+        let colors = vec![[0.5, 0.5, 0.5, 1.0]; own.positions.len()];
+        painted.edit(|data| data.meshes[0] = Mesh::new(MeshData { colors, ..own }).unwrap()).unwrap();
+        painted
+    };
+    let (whole, mut warnings) = estimated(&photographs, &painted, Some(16));
+    let maps: Vec<_> = whole.materials.iter().map(|of| of.maps().unwrap()).collect();
+    let scene = whole.scene(&Model::new(painted.clone()).unwrap(), &maps, &mut warnings).unwrap();
+    assert!(scene.meshes().iter().all(|mesh| mesh.colors().is_empty()));
+    assert!(warnings.iter().any(|(what, _)| what.contains("vertex colours")));
+    // The left half of the first photograph does not count.
+    let side = shooting.side as usize;
+    let codes: Vec<u8> = (0..side * side).map(|i| if i % side < side / 2 { 0 } else { 255 }).collect();
+    let (width, height, samples) = (shooting.side, shooting.side, PngSamples::U8(&codes));
+    let mask = PngImage { width, height, color: PngColor::Grey, samples, encoding: Encoding::Srgb };
+    write_png(&photographs.transforms.with_file_name("left.png"), &mask).unwrap();
+    let text = std::fs::read_to_string(&photographs.transforms).unwrap();
+    let masked = text.replacen("{\"file_path\"", "{\"mask_path\": \"left.png\", \"file_path\"", 1);
+    write_text(&photographs.transforms, &masked).unwrap();
+    let (half, _) = estimated(&photographs, &painted, Some(16));
+    let [all, rest] = [&whole, &half].map(|estimate| estimate.photographs[0].texels as f64);
+    assert!((0.2..0.5).contains(&(rest / all)), "{rest} of {all} texels");
+    assert_eq!(whole.photographs[1].texels, half.photographs[1].texels);
+}
+
 /// A vase of bronze with patina, seen from all sides, with all reflections between its parts.
 #[test]
 #[ignore = "takes a minute"]

@@ -72,7 +72,7 @@ impl LightOptions {
     }
 }
 
-/// Default strength, and default full angle of a spot in degrees.
+/// Default strength, and default angle from the axis of a spot to its edge in degrees.
 const DEFAULT_STRENGTH: f64 = 3.0;
 const DEFAULT_ANGLE: f64 = 30.0;
 
@@ -80,7 +80,7 @@ const DEFAULT_ANGLE: f64 = 30.0;
 ///
 /// It is parsed from a line of text: `point at=X,Y,Z`, `spot at=X,Y,Z toward=X,Y,Z angle=DEGREES inner=DEGREES`,
 /// `directional from=AZIMUTH,ELEVATION` (degrees, relative to the view) or `directional toward=X,Y,Z`, each with
-/// `strength=`, `color=` and `falloff=none|inverse-square`.
+/// `strength=`, `color=` and `falloff=none|inverse-square`. Angles of a spot are measured from its axis.
 ///
 /// ```
 /// use taotie::studio::{LightForm, LightSpec};

@@ -123,6 +123,34 @@ fn what_is_seen_through_glass() {
     }
 }
 
+/// What transmits light in the file, but shows nothing behind it: metals, black, unlit surface, a black texture.
+#[test]
+fn what_is_opaque_in_spite_of_transmission_hides() {
+    let transmission = Some(Transmission { factor: 1.0, ..Transmission::default() });
+    let glass = Material { transmission, ..Material::default() };
+    let cases = [
+        Material { metallic: 1.0, ..glass.clone() },
+        Material { base_color: [0.01, 0.01, 0.01, 1.0], ..glass.clone() },
+        Material { unlit: true, ..glass },
+    ];
+    for case in cases {
+        is_sound(&shown(ball_of(1.0), case.clone()), &scan(&in_a_case(case)));
+    }
+    let masked = |texel: u8| {
+        let inlaid = inlaid(|_| [texel, 128, 0]);
+        let red = inlaid.materials()[0].metallic_roughness_texture;
+        changed(&inlaid, |data| {
+            data.materials[0].occlusion_texture = None;
+            data.materials[0].transmission = Some(Transmission { factor: 1.0, texture: red });
+        })
+    };
+    let exhibit = shown(ball_of(0.4), Material::default());
+    let with_exhibit = |case: &Scene| crate::pairs::with_part(case, exhibit.meshes()[0].clone());
+    is_sound(&masked(0), &scan(&with_exhibit(&masked(0))));
+    let glass = masked(255);
+    is_bad(&glass, &scan(&with_exhibit(&glass)), (&["missed"], "no counterpart on the asset"));
+}
+
 /// Layers of glass and a body below are closer to each other than points that count as the same part.
 #[test]
 fn close_layers_of_glass_are_compared_with_themselves() {

@@ -64,6 +64,14 @@ fn what_is_seen_through_masks_and_panes_is_as_in_the_rasteriser() {
     let mut glass = View::of(scenes::glass(), scenes::camera(10.0, 5.0, 4.5));
     glass.settings.shadows = false;
     direct_light_agrees("glass", &glass, 128);
+    // Metals are opaque in spite of transmission, and cast shadows.
+    let made_metal = glass.scene.edit(|scene| {
+        let transmitting = scene.materials.iter_mut().filter(|material| material.transmission.is_some());
+        transmitting.for_each(|material| material.metallic = 1.0);
+    });
+    made_metal.unwrap();
+    glass.settings.shadows = true;
+    direct_light_agrees("metal", &glass, 128);
     // Shadows of masks agree too; only the tracer supports those of blended panes.
     let masked = view.scene.edit(|scene| {
         let blended = scene.materials.iter_mut().filter(|material| material.alpha == AlphaMode::Blend);

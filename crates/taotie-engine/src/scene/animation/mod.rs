@@ -4,7 +4,7 @@ mod rig;
 mod sampler;
 
 pub use rig::{Deformed, Rig, RigData, Skin};
-pub use sampler::{Interpolation, Sampler};
+pub use sampler::{Interpolation, Sampler, Tolerance};
 
 use crate::error::{self, Error};
 use crate::math::{Mat4, Vec3};

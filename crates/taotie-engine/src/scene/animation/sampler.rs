@@ -23,6 +23,15 @@ pub struct Sampler {
     values: Vec<f32>,
 }
 
+/// The permitted difference from the original keyframes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Tolerance {
+    /// Degrees between rotations, for samplers of width 4.
+    Degrees(f64),
+    /// The difference of any component.
+    Numbers(f64),
+}
+
 /// The keyframes around a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Segment {
@@ -63,6 +72,11 @@ impl Sampler {
         Ok(sampler)
     }
 
+    /// Returns the interpolation between keyframes.
+    pub fn interpolation(&self) -> Interpolation {
+        self.interpolation
+    }
+
     /// Returns the number of components in a value.
     pub fn width(&self) -> usize {
         self.values.len() / (self.times.len() * self.elements_per_key())
@@ -96,6 +110,65 @@ impl Sampler {
             return slerp(key(segment.from), key(segment.to), segment.t);
         }
         unit_quaternion([0, 1, 2, 3].map(|i| self.number_at(segment, i)))
+    }
+
+    /// Returns the sampler without the keyframes that interpolation between the others restores within a tolerance. The
+    /// first and the last stay. Splines are returned unchanged, as are samplers that would keep more than half.
+    pub fn thinned(&self, within: Tolerance) -> Self {
+        /// Maximum distance between kept keyframes, which bounds the time.
+        const WINDOW: usize = 128;
+        let last = self.times.len() - 1;
+        if last < 2 || self.interpolation == Interpolation::CubicSpline {
+            return self.clone();
+        }
+        let restores =
+            |from: usize, to: usize| (from + 1..to).all(|k| self.is_restored(k, [from, to], within));
+        let mut kept = vec![0];
+        while let Some(&from) = kept.last().filter(|from| **from < last) {
+            let next = if from == 0 && restores(0, last) {
+                last
+            } else {
+                (from + 1..last.min(from + WINDOW))
+                    .find(|to| !restores(from, to + 1))
+                    .unwrap_or(last.min(from + WINDOW))
+            };
+            kept.push(next);
+        }
+        if 2 * kept.len() > self.times.len() {
+            return self.clone();
+        }
+        let times = kept.iter().map(|k| self.times[*k]).collect();
+        let values = self.values.chunks_exact(self.width()).enumerate();
+        let values = values.filter(|(k, _)| kept.binary_search(k).is_ok()).flat_map(|(_, value)| value);
+        Self { interpolation: self.interpolation, times, values: values.copied().collect() }
+    }
+
+    /// Returns `true` if every keyframe has this value within a tolerance.
+    pub fn stays_at(&self, value: &[f64], within: Tolerance) -> bool {
+        let is_close = |k: usize| within.holds(&self.value_of(k), value);
+        self.interpolation != Interpolation::CubicSpline && (0..self.times.len()).all(is_close)
+    }
+
+    /// Returns `true` if interpolation between the keyframes `from` and `to` restores keyframe `k`.
+    fn is_restored(&self, k: usize, [from, to]: [usize; 2], within: Tolerance) -> bool {
+        let [start, time, end] = [from, k, to].map(|k| f64::from(self.times[k]));
+        let t = if end > start { (time - start) / (end - start) } else { 0.0 };
+        let [a, b] = [from, to].map(|k| self.value_of(k));
+        let restored: Vec<f64> = match (self.interpolation, within) {
+            (Interpolation::Step, _) => a,
+            (_, Tolerance::Degrees(_)) => {
+                let [a, b] = [a, b].map(|q| unit_quaternion([q[0], q[1], q[2], q[3]]));
+                slerp(a, b, t).to_vec()
+            }
+            _ => a.iter().zip(&b).map(|(a, b)| a * (1.0 - t) + b * t).collect(),
+        };
+        // Equal times mark a jump.
+        let is_apart = |i: usize| self.times[i] < self.times[i + 1];
+        is_apart(k - 1) && is_apart(k) && within.holds(&self.value_of(k), &restored)
+    }
+
+    fn value_of(&self, k: usize) -> Vec<f64> {
+        (0..self.width()).map(|i| self.value(k, i)).collect()
     }
 
     fn number_at(&self, Segment { from, to, t, length }: Segment, i: usize) -> f64 {
@@ -136,6 +209,19 @@ impl Sampler {
     /// out-tangent.
     fn element(&self, k: usize, e: usize, i: usize) -> f64 {
         f64::from(self.values[(k * self.elements_per_key() + e) * self.width() + i])
+    }
+}
+
+impl Tolerance {
+    fn holds(self, a: &[f64], b: &[f64]) -> bool {
+        match self {
+            Self::Numbers(most) => a.iter().zip(b).all(|(a, b)| (a - b).abs() <= most),
+            Self::Degrees(most) => {
+                let unit = |q: &[f64]| unit_quaternion([q[0], q[1], q[2], q[3]]);
+                let dot: f64 = unit(a).iter().zip(unit(b)).map(|(x, y)| x * y).sum();
+                dot.abs() >= scalar::cos(most.to_radians() / 2.0)
+            }
+        }
     }
 }
 
@@ -201,6 +287,47 @@ mod tests {
         }
         assert_eq!(at(Interpolation::Step, 2.9), [10.0, 0.0]);
         assert_eq!(at(Interpolation::Linear, 1.5), [15.0, 1.0]);
+    }
+
+    /// A turn of a second, at rest for another, in 60 frames each: five keyframes of a quarter turn restore it.
+    #[test]
+    fn keyframes_that_interpolation_restores_are_dropped() {
+        let times: Vec<f32> = (0..=120).map(|i| i as f32 / 60.0).collect();
+        let turned = |i: usize| about_z(360.0 * i.min(60) as f64 / 60.0);
+        let values: Vec<f32> = (0..=120).flat_map(turned).map(|v| v as f32).collect();
+        let all = sampler(Interpolation::Linear, &times, &values);
+        let few = all.thinned(Tolerance::Degrees(0.01));
+        assert!((4..=6).contains(&few.times().len()), "{:?}", few.times());
+        assert_eq!([few.times()[0], *few.times().last().unwrap()], [0.0, 2.0]);
+        let off = |t: f64| {
+            let pair = all.rotation_at(t).into_iter().zip(few.rotation_at(t));
+            1.0 - pair.map(|(x, y)| x * y).sum::<f64>().abs()
+        };
+        assert!((0..=400).all(|i| off(f64::from(i) / 200.0) < 1e-8));
+        let still = sampler(Interpolation::Linear, &times[..3], &[0.5, 2.0, 0.5, 2.0, 0.5, 2.0]);
+        assert_eq!(still.thinned(Tolerance::Numbers(1e-6)).times().len(), 3, "more than half is left");
+        assert!(still.stays_at(&[0.5, 2.0], Tolerance::Numbers(0.0)));
+        assert!(!still.stays_at(&[0.5, 2.1], Tolerance::Numbers(0.05)));
+    }
+
+    #[test]
+    fn jumps_and_curves_keep_their_keyframes() {
+        let curve: Vec<f32> = (0..40).map(|i| (i * i) as f32).collect();
+        let times: Vec<f32> = (0..40).map(|i| i as f32).collect();
+        let all = sampler(Interpolation::Linear, &times, &curve);
+        assert_eq!(all.thinned(Tolerance::Numbers(0.1)), all);
+        // The chord of a parabola over n steps is off by n²/4.
+        let few = all.thinned(Tolerance::Numbers(4.0));
+        assert_eq!(few.times()[..3], [0.0, 4.0, 8.0]);
+        let steps = sampler(
+            Interpolation::Step,
+            &times,
+            &times.iter().map(|t| (t / 10.0).floor()).collect::<Vec<_>>(),
+        );
+        assert_eq!(steps.thinned(Tolerance::Numbers(0.0)).times(), [0.0, 10.0, 20.0, 30.0, 39.0]);
+        let twice = [0.0, 1.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
+        let jump = sampler(Interpolation::Linear, &twice, &twice).thinned(Tolerance::Numbers(0.1));
+        assert_eq!(jump.times(), [0.0, 1.0, 1.0, 6.0]);
     }
 
     /// p = t³ over [0, 2]: values 0 and 8, slopes 0 and 12. A cubic is its own spline only if the tangents are scaled

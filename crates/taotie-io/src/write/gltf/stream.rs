@@ -155,6 +155,36 @@ impl Octahedron {
     }
 }
 
+/// The filter for unit quaternions (x, y, z, w): the largest component, which is made positive, is left out. Source:
+/// EXT_meshopt_compression, Filter 2.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Quaternions {
+    /// Bits per component, including the sign, at least 4.
+    pub bits: u8,
+}
+
+impl Quaternions {
+    /// Packs quaternions of any length but zero.
+    pub fn stream(self, name: &str, values: &[f32]) -> Stream {
+        let codes = values.as_chunks::<4>().0.iter().map(|quaternion| self.codes(quaternion.map(f64::from)));
+        let bytes = codes.flatten().flat_map(i16::to_le_bytes).collect();
+        let (name, component, filter) = (name.to_owned(), Component::I16, Some("QUATERNION"));
+        Stream { name, bytes, stride: 8, component, width: 4, normalized: true, filter, bounds: None }
+    }
+
+    fn codes(self, quaternion: [f64; 4]) -> [i16; 4] {
+        let length = quaternion.iter().map(|v| v * v).sum::<f64>().sqrt();
+        let larger =
+            |best: usize, i: usize| if quaternion[i].abs() > quaternion[best].abs() { i } else { best };
+        let largest = (1..4).fold(0, larger);
+        let one = (1i16 << (self.bits - 1)) - 1;
+        // The others are at most half the square root of two.
+        let scale = f64::from(one) * std::f64::consts::SQRT_2 / length.copysign(quaternion[largest]);
+        let [x, y, z] = [1, 2, 3].map(|i| (quaternion[(largest + i) % 4] * scale).round() as i16);
+        [x, y, z, (one & !3) | largest as i16]
+    }
+}
+
 /// The exponential filter for floats: multiples of one power of two. Source: EXT_meshopt_compression, Filter 3.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct PowerOfTwo {

@@ -105,7 +105,7 @@ impl Goal {
             None => level == 0,
         };
         let of_level = missed.filter(is_judged);
-        let missing = of_level.map(|required| required.most.max(LEAST)).fold(MISSING, f64::min);
+        let missing = of_level.map(|required| required.most.max(LEAST)).reduce(f64::min).unwrap_or(MISSING);
         Self {
             angles,
             colors: required(&COLORS, colors),

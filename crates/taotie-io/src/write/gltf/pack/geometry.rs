@@ -1,9 +1,10 @@
 //! The vertices and triangles of a file: simplified, which moves vertices, and stored with fewer bits.
 
+use super::super::draft::Component;
 use super::super::format::VertexBits;
 use super::super::mesh::sorted;
 use super::super::stream::{Octahedron, PowerOfTwo, Stream};
-use crate::gltf::{StoredAttribute, StoredTrack, StoredVertices};
+use crate::gltf::{StoredAttribute, StoredVertices};
 use meshopt::{SimplifyOptions, SimplifyVertex};
 use serde_json::Value;
 use std::borrow::Cow;
@@ -284,8 +285,10 @@ impl Precision {
     pub fn attributes(&self, attributes: &[StoredAttribute], order: &[usize]) -> Vec<Stream> {
         /// Bits per colour channel.
         const COLOR: u8 = 10;
+        let is_only = attributes.iter().filter(|other| kind(&other.name) == "WEIGHTS").count() == 1;
         let rounded = |attribute: &StoredAttribute| match kind(&attribute.name) {
             "POSITION" => self.positions(attribute, order),
+            "WEIGHTS" if is_only => weights(attribute, order),
             "NORMAL" | "TANGENT" => Some(self.directions(attribute, order)),
             "TEXCOORD" => PowerOfTwo::within(1.0, self.bits.uvs).of(attribute, order),
             "COLOR" => PowerOfTwo::within(1.0, COLOR).of(attribute, order),
@@ -357,20 +360,37 @@ impl PowerOfTwo {
     }
 }
 
-/// Returns the times of animations as stored, or their values rounded: the error of an angle is at most 0.003°, that of
-/// others 1 in 500,000 of the largest.
-pub(super) fn track(track: &StoredTrack) -> Stream {
-    const ROTATION: u8 = 16;
-    const OTHERS: u8 = 18;
-    let values = floats(&track.values);
-    let largest = values.iter().fold(0.0f32, |most, v| most.max(v.abs()));
-    let step = match track.is_rotation {
-        true => PowerOfTwo::within(1.0, ROTATION),
-        false => PowerOfTwo::within(largest.into(), OTHERS),
-    };
-    let rounded = || step.stream(&track.values.name, &values, track.values.elements.width);
-    let exact = || stored(&track.values, &(0..track.values.elements.count()).collect::<Vec<_>>());
-    if track.member == "input" { exact() } else { rounded().unwrap_or_else(exact) }
+/// Returns the four weights of joints as bytes whose sum is 255, as glTF demands; `None` if they are not weights.
+fn weights(attribute: &StoredAttribute, order: &[usize]) -> Option<Stream> {
+    const ONE: f32 = 255.0;
+    if attribute.elements.width != 4 {
+        return None;
+    }
+    let mut bytes = Vec::with_capacity(4 * order.len());
+    for weights in in_order(attribute, order).as_chunks::<4>().0 {
+        let sum: f32 = weights.iter().sum();
+        if weights.iter().any(|weight| *weight < 0.0) || !((sum - 1.0).abs() < 0.01) {
+            return None;
+        }
+        let exact = weights.map(|weight| weight / sum * ONE);
+        let mut codes = exact.map(|v| v.floor() as u8);
+        // The rest goes to those that lost most.
+        let mut places = [0, 1, 2, 3];
+        places.sort_by(|a, b| (exact[*b].fract()).total_cmp(&exact[*a].fract()).then(a.cmp(b)));
+        let rest = 255 - codes.iter().map(|code| usize::from(*code)).sum::<usize>().min(255);
+        places.iter().take(rest).for_each(|place| codes[*place] += 1);
+        bytes.extend(codes);
+    }
+    Some(Stream {
+        name: attribute.name.clone(),
+        bytes,
+        stride: 4,
+        component: Component::U8,
+        width: 4,
+        normalized: true,
+        filter: None,
+        bounds: None,
+    })
 }
 
 /// Returns the name of an attribute without its set number.

@@ -2,6 +2,7 @@
 //! extensions — with fewer bits per vertex, simplified triangles, and re-encoded images.
 
 mod geometry;
+mod tracks;
 
 use super::codec::CodecKind;
 use super::draft::{Packing, encoded_glb, unpacked_buffer};
@@ -17,7 +18,6 @@ use crate::limits::Limits;
 use geometry::{Precision, Shaped, Simplified};
 use meshopt::SimplifyVertex;
 use serde_json::{Map, Value, json};
-use std::collections::BTreeMap;
 use std::sync::Arc;
 use taotie_engine::error::{Error, Result};
 use taotie_engine::image::{Bitmap, Encoding};
@@ -102,7 +102,7 @@ impl GltfPacker {
         let locks = |vertices| if is_alone { Vec::new() } else { geometry::locks(vertices) };
         let locks = vertices.iter().map(locks).collect();
         drop_geometry(&mut raw.json, &vertices);
-        tracks.iter().for_each(|track| drop_values(&mut raw.json, track));
+        let tracks = tracks::taken(&mut raw.json, tracks);
         let bytes = used_bytes(&mut raw)?;
         Ok(Self { json: raw.json, bytes, vertices, tracks, extents, locks, images, longest_side })
     }
@@ -148,7 +148,7 @@ impl GltfPacker {
             let precision = Precision { bits: geometry.bits, extent: *extent };
             file.add_vertices(&simplified.vertices, &Shaped::new(&simplified), &precision)?;
         }
-        file.add_tracks(&self.tracks)?;
+        tracks::add(&mut file, &self.tracks)?;
         let own = self.images.iter().enumerate().filter_map(|(number, own)| Some((number, own.as_ref()?)));
         for (number, own) in own {
             file.add_image(number, own, images.iter().find(|image| image.number == number));
@@ -211,21 +211,6 @@ fn drop_geometry(json: &mut Value, vertices: &[StoredVertices]) {
         let json = &mut json["meshes"][*mesh]["primitives"][*primitive];
         ["indices", "targets", "mode"].iter().for_each(|name| edit::remove(json, name));
         json["attributes"] = Value::Object(Map::new());
-    }
-}
-
-/// Returns the accessor of the times or values of an animation.
-fn accessor_of<'a>(json: &'a mut Value, track: &StoredTrack) -> Option<&'a mut Value> {
-    let [animation, sampler] = track.sampler;
-    let pointer = format!("/animations/{animation}/samplers/{sampler}/{}", track.member);
-    let number = json.pointer(&pointer)?.as_u64()?;
-    json.pointer_mut(&format!("/accessors/{number}"))
-}
-
-/// Removes the values of an accessor from a document; of its members only those stay that do not depend on where they are.
-fn drop_values(json: &mut Value, track: &StoredTrack) {
-    if let Some(accessor) = accessor_of(json, track) {
-        ["bufferView", "byteOffset", "sparse"].iter().for_each(|name| edit::remove(accessor, name));
     }
 }
 
@@ -303,34 +288,6 @@ impl Packed {
                 if !targets.is_empty() {
                     json["targets"] = json!(targets);
                 }
-            }
-        }
-        Ok(())
-    }
-
-    /// Adds the times and values of animations: all of the same width in one view. Times are exact.
-    fn add_tracks(&mut self, tracks: &[StoredTrack]) -> Result<()> {
-        let streams: Vec<Stream> = tracks.iter().map(geometry::track).collect();
-        let mut views: BTreeMap<_, Vec<usize>> = BTreeMap::new();
-        for (i, stream) in streams.iter().enumerate() {
-            views.entry((stream.width, stream.filter)).or_default().push(i);
-        }
-        for numbers in views.into_values() {
-            let own = || numbers.iter().map(|i| (&tracks[*i], &streams[*i]));
-            let Some(joined) = Stream::joined(own().map(|(_, stream)| stream)) else { continue };
-            edit::require(&mut self.json, self.codecs.meshopt());
-            let packing = Packing { target: None, ..joined.packing(self.codecs) };
-            let view = self.packed_view(&joined.packed(self.codecs)?, &packing);
-            let mut offset = 0;
-            for (track, stream) in own() {
-                if let Some(accessor) = accessor_of(&mut self.json, track) {
-                    accessor["bufferView"] = view.into();
-                    accessor["byteOffset"] = offset.into();
-                    if stream.filter.is_some() {
-                        ["min", "max"].iter().for_each(|name| edit::remove(accessor, name));
-                    }
-                }
-                offset += stream.bytes.len();
             }
         }
         Ok(())
