@@ -62,22 +62,24 @@ fn crease_angle(text: &str) -> Result<f64, String> {
 #[derive(Args)]
 #[command(next_help_heading = "Proof")]
 pub struct ProofArgs {
-    /// Exit with 1 unless every figure is within its limit. As seen, at the same pixel: mean-angle, p95-angle,
-    /// max-angle (°), mean-color, p95-color (CIEDE2000), mean-material (metallic, roughness or occlusion, whichever differs
-    /// most, %), and patch-angle, patch-color, patch-material (the mean in the worst 1 % of the surface, seen close up).
-    /// within-Ndeg, within-NdE, within-N%, such as within-5deg=99% (at least, %: the share of the visible surface whose angle, colour difference or distance is at most N). On the
-    /// surface, along the rays of a bake: surface-mean-angle, surface-p95-angle, surface-max-angle. Shape: missed
-    /// (visible surface that the other mesh lacks, %), completeness (at least, %), hausdorff (upper bound of the
-    /// largest distance, % of the diagonal or a length), silhouette (pixels of 512 or a length), texel (median width
-    /// of the asset's texels, a length). Lengths are in um, mm, cm, m or in, such as hausdorff=0.2mm, and need a scan
-    /// whose unit is known. Images: flip, worst-view, ssim (at least). Size: triangles, bytes, gpu-memory (vertices,
-    /// and textures with mip levels); the latter two with B, kB, MB, GB, KiB, MiB or GiB. `standard` means
-    /// mean-angle=1, p95-angle=5, patch-angle=10, missed=0.1%, hausdorff=1%, mean-color=1, patch-color=3,
-    /// mean-material=4%, patch-material=12%; `visually-lossless` means mean-angle=0.5, p95-angle=2, missed=0.1%,
-    /// hausdorff=1%, mean-color=0.5, p95-color=1.5, patch-color=3, mean-material=2%, patch-material=12%; `web`, `archive`
-    /// and `engine` mean the target and the ceilings of that preset of `taotie bake`. Figures as seen apply to every level of detail, at the size at which it is shown; all others to
-    /// the finest. mean-angle@1=5 applies
-    /// to level 1 only, instead of the limit for all levels; level 0 is the finest
+    /// Exit with 1 unless every figure is within its limit. As seen, at the same pixel: mean-angle, p95-angle, max-angle
+    /// (°), mean-color, p95-color (CIEDE2000), mean-material (metallic, roughness or occlusion, whichever differs most,
+    /// %), and patch-angle, patch-color, patch-material (the mean in the worst 1 % of the surface, seen close up),
+    /// patch-detail (relief or colours lost there, relative to how much they vary on the scan, %). within-Ndeg,
+    /// within-NdE, within-N%, such as within-5deg=99% (at least, %: the share of the visible surface whose angle, colour
+    /// difference or distance is at most N). On the surface, along the rays of a bake: surface-mean-angle,
+    /// surface-p95-angle, surface-max-angle. Shape: missed (visible surface that the other mesh lacks, %), completeness
+    /// (at least, %), hausdorff (upper bound of the largest distance, % of the diagonal or a length), silhouette (pixels
+    /// of 512 or a length), texel (median width of the asset's texels, a length). Lengths are in um, mm, cm, m or in,
+    /// such as hausdorff=0.2mm, and need a scan whose unit is known. Images: flip, worst-view, ssim (at least). Size:
+    /// triangles, bytes, gpu-memory (vertices, and textures with mip levels); the latter two with B, kB, MB, GB, KiB,
+    /// MiB or GiB. `standard` means mean-angle=1, p95-angle=5, patch-angle=10, patch-detail=30%, missed=0.1%,
+    /// hausdorff=1%, mean-color=1, patch-color=3, mean-material=4%, patch-material=12%; `visually-lossless` means
+    /// mean-angle=0.5, p95-angle=2, patch-detail=30%, missed=0.1%, hausdorff=1%, mean-color=0.5, p95-color=1.5,
+    /// patch-color=3, mean-material=2%, patch-material=12%; `web`, `archive` and `engine` mean the target and the
+    /// ceilings of that preset of `taotie bake`. Figures as seen apply to every level of detail, at the size at which it
+    /// is shown; all others to the finest. mean-angle@1=5 applies to level 1 only, instead of the limit for all levels;
+    /// level 0 is the finest
     #[arg(long, value_name = "standard|FIGURE[@LEVEL]=LIMIT[UNIT],...", value_delimiter = ',', value_parser = required)]
     require: Vec<Required>,
     /// Pixels of the overview and points of each surface to compare initially, at least 10. If a limit is within the

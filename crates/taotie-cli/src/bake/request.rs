@@ -444,7 +444,7 @@ impl BakeArgs {
     /// overrides all angle limits.
     fn overrides(&self, own: &Requirement, others: &[Requirement]) -> bool {
         let is_finest = |other: &Requirement| other.level.is_none_or(|level| level == 0);
-        let is_angle = matches!(own.figure, Figure::MeanAngle | Figure::P95Angle);
+        let is_angle = matches!(own.figure, Figure::MeanAngle | Figure::P95Angle | Figure::PatchDetail);
         (self.error.is_some() && is_angle)
             || others.iter().any(|other| other.figure == own.figure && is_finest(other))
     }

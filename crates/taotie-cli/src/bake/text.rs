@@ -9,7 +9,7 @@ use taotie::asset::{
 use taotie_engine::bake::MapKind;
 use taotie_engine::compare::Summary;
 use taotie_engine::length::{ShownLength, Unit, place_text, texel_text};
-use taotie_engine::proof::{Region, WorstRegions};
+use taotie_engine::proof::{Patch, Region, WorstRegions};
 use taotie_engine::surface::{Noise, NoiseChange};
 use taotie_report::table::{Table, map_error_texts, sizes_text, summary_text};
 
@@ -152,17 +152,19 @@ fn as_seen(figures: &Figures, level: &LevelFigures, table: &mut Table) {
     if let Some(material) = &level.overview.material {
         table.row(["material error as seen".into(), summary_text(&material.summary, 3, "")]);
     }
-    let patches = [
-        (&level.patches.angle, "", "°"),
-        (&level.patches.color, "ΔE ", ""),
-        (&level.patches.material, "material ", ""),
+    let worst = &level.patches;
+    let patches: [(Option<Patch>, fn(f64) -> String); 4] = [
+        (worst.angle, |mean| format!("{mean:.2}°")),
+        (worst.color, |mean| format!("ΔE {mean:.2}")),
+        (worst.material, |mean| format!("material {mean:.2}")),
+        (worst.detail, |lost| format!("detail {:.0} % lost", lost * 100.0)),
     ];
     let patches: Vec<String> = patches
         .into_iter()
-        .filter_map(|(patch, before, after)| {
-            let patch = patch.as_ref()?;
+        .filter_map(|(patch, text)| {
+            let patch = patch?;
             let place = place_text(patch.center, figures.diagonal, figures.unit);
-            Some(format!("{before}{:.2}{after} around {place}", patch.mean))
+            Some(format!("{} around {place}", text(patch.mean)))
         })
         .collect();
     if !patches.is_empty() {

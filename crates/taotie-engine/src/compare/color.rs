@@ -157,7 +157,7 @@ pub(super) const XYZ_FROM_RGB: [[f64; 3]; 3] = [
 ];
 
 /// Returns L* in [0, 100], a* and b* of a linear RGB colour in [0, 1]; white is (100, 0, 0): ISO/CIE 11664-4.
-pub(super) fn lab_from_linear(rgb: Vec3<f64>) -> Vec3<f64> {
+pub fn lab_from_linear(rgb: Vec3<f64>) -> Vec3<f64> {
     opponent(product(&XYZ_FROM_RGB, rgb).map(lab_curve))
 }
 

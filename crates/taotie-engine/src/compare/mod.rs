@@ -11,7 +11,7 @@ mod flip;
 mod metrics;
 mod normals;
 
-pub use color::{ciede2000, color_difference};
+pub use color::{ciede2000, color_difference, lab_from_linear};
 pub use field::{ColorMap, Field, Summary, heat};
 pub use flip::{PIXELS_PER_DEGREE, flip};
 pub use metrics::{

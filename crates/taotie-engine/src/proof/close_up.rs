@@ -34,6 +34,10 @@ pub struct SurfaceSample {
     pub emission: f32,
     /// The difference of metallic, roughness or occlusion, whichever is largest, [0, 1]; NaN as for colours.
     pub material: f32,
+    /// The unit shading normals of scan and asset; zero if nothing is compared.
+    pub normals: [Vec3; 2],
+    /// Their base colours, CIE L*a*b*; zero without colours.
+    pub labs: [Vec3; 2],
     /// `true` if the other surface shows nothing there, or another part of the object; or if the asset is unlit there
     /// and the scan is not, so that its relief is not shown.
     pub is_missing: bool,
@@ -129,6 +133,8 @@ impl<'a> Viewer<'a> {
             color: f32::NAN,
             emission: f32::NAN,
             material: f32::NAN,
+            normals: [Vec3::default(); 2],
+            labs: [Vec3::default(); 2],
             is_missing: !is_beside,
             distance: closest.map_or(f32::INFINITY, |closest| closest.distance),
             texel,
@@ -139,7 +145,17 @@ impl<'a> Viewer<'a> {
             let [of_scan, of_asset] = if self.is_of_scan { [seen, shown] } else { [shown, seen] };
             let found = Difference::between(&of_scan, &of_asset, self.pair.has_material);
             let Difference { angle_deg, color, emission, material, is_hidden } = found;
-            sample = SurfaceSample { angle_deg, color, emission, material, is_missing: is_hidden, ..sample };
+            let looks = [&of_scan, &of_asset];
+            sample = SurfaceSample {
+                angle_deg,
+                color,
+                emission,
+                material,
+                normals: looks.map(Look::unit_normal),
+                labs: looks.map(Look::lab),
+                is_missing: is_hidden,
+                ..sample
+            };
         }
         Some(sample)
     }

@@ -25,10 +25,10 @@ pub use patch::{
     PATCH_SHARE, Patch, PatchQuantity, PatchView, Region, Window, WorstRegions, most_missing, worst_patch,
 };
 pub use silhouette::{SilhouetteFigures, silhouettes};
-pub use statistics::{Estimate, Exceedance, Share, share_interval};
+pub use statistics::{Detail, Estimate, Exceedance, Share, share_interval};
 
 use crate::bake::{LookupPoint, Scan, Visibility};
-use crate::compare::{angle_deg, color_difference};
+use crate::compare::{angle_deg, color_difference, lab_from_linear};
 use crate::math::Vec3;
 use crate::scene::AlphaMode;
 use crate::surface::facet_normal;
@@ -153,6 +153,15 @@ impl Look {
 
     fn is_unlit(&self) -> bool {
         2 * self.unlit > self.samples
+    }
+
+    fn unit_normal(&self) -> Vec3 {
+        self.normal.normalize_or(Vec3::default())
+    }
+
+    /// Returns the base colour, CIE L*a*b*; zero if it was not read.
+    fn lab(&self) -> Vec3 {
+        lab_from_linear(Vec3::from_array(self.shade().color).to_f64()).to_f32()
     }
 
     fn shade(&self) -> Shade {

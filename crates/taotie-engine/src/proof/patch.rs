@@ -2,8 +2,8 @@
 //! surface, with the view of it from the direction in which it is seen; and the worst regions, such as UV islands or
 //! materials.
 
-use super::close_up::{CloseUp, Footprint, SurfaceSample, Viewer};
-use super::statistics::Estimate;
+use super::close_up::{CloseUp, Footprint, OUTLINE, SurfaceSample, Viewer};
+use super::statistics::{Detail, Estimate};
 use super::{Difference, Look, NOTHING_DEG, Pair, Sample};
 use crate::bake::{LookupPoint, Scan};
 use crate::compare::Field;
@@ -32,7 +32,8 @@ const MOST_TRIED: usize = 128;
 /// The window of one per cent of the visible surface in which an asset differs most from its scan.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Patch {
-    /// The mean difference within it, in degrees, CIEDE2000, or as a fraction of the largest number.
+    /// The mean difference within it, in degrees, CIEDE2000, or as a fraction of the largest number; or the detail lost, as
+    /// [`Detail::lost`].
     pub mean: f64,
     /// Its 99 % interval.
     pub interval: [f64; 2],
@@ -58,46 +59,114 @@ pub fn worst_patch(
     (close_up, points): (&CloseUp, usize),
     of: PatchQuantity,
 ) -> Result<Option<Patch>> {
-    let differences: &[fn(&SurfaceSample) -> f32] = match of {
-        PatchQuantity::Angle => &[|sample| sample.angle_deg],
-        PatchQuantity::Color => &[|sample| sample.color, |sample| sample.emission],
-        PatchQuantity::Material => &[|sample| sample.material],
+    let reach = pair.diagonal * OUTLINE;
+    let poolings: &[Pooling] = match of {
+        PatchQuantity::Angle => &[Pooling::Mean(|sample| sample.angle_deg)],
+        PatchQuantity::Color => {
+            &[Pooling::Mean(|sample| sample.color), Pooling::Mean(|sample| sample.emission)]
+        }
+        PatchQuantity::Material => &[Pooling::Mean(|sample| sample.material)],
+        PatchQuantity::Detail => {
+            &[Pooling::Lost(Detail::Relief, reach), Pooling::Lost(Detail::Colors, reach)]
+        }
     };
     let mut worst: Option<Patch> = None;
-    for difference in differences {
-        let patch = patch_of(pair, (close_up, points), *difference)?;
+    for pooling in poolings {
+        let patch = patch_of(pair, (close_up, points), *pooling)?;
         worst = Patch::worse([worst, patch]);
     }
     Ok(worst)
 }
 
-/// Finds the worst window by one difference, and measures it at new points.
+/// How the samples of a window become one number.
+#[derive(Clone, Copy)]
+pub(super) enum Pooling {
+    /// The mean of a difference.
+    Mean(fn(&SurfaceSample) -> f32),
+    /// The differences relative to what varies on the scan, within this distance.
+    Lost(Detail, f32),
+}
+
+impl Pooling {
+    /// Returns the difference of a sample; NaN if nothing is compared.
+    fn difference(self, sample: &SurfaceSample) -> f32 {
+        match self {
+            Self::Mean(difference) => difference(sample),
+            Self::Lost(..) if sample.is_missing => f32::NAN,
+            Self::Lost(Detail::Relief, _) => sample.angle_deg,
+            Self::Lost(Detail::Colors, _) => sample.color,
+        }
+    }
+
+    /// Returns the number of samples that have a difference; a window holds `all`.
+    fn pooled(self, samples: &[&SurfaceSample], window: &Ball, all: usize) -> f64 {
+        /// Mean distances between samples within which an edge may be moved.
+        const FEW: f32 = 2.0;
+        match self {
+            Self::Mean(difference) => {
+                samples.iter().map(|sample| f64::from(difference(sample))).sum::<f64>() / all as f64
+            }
+            Self::Lost(detail, reach) => {
+                let side = facing(samples.iter().copied(), window.toward);
+                let apart = window.radius * (std::f32::consts::PI / all as f32).sqrt();
+                let [lost, _] = detail.lost(&side, reach.max(FEW * apart));
+                if LEAST_SIDE * side.len() < all { 0.0 } else { lost }
+            }
+        }
+    }
+
+    /// Returns the number of new samples of a window seen from the direction `toward`, and its 99 % interval; `None` if nothing
+    /// is compared.
+    fn measured(self, samples: &[SurfaceSample], toward: Vec3) -> Result<Option<(f64, [f64; 2])>> {
+        /// Standard errors on either side of the number that contain 99 % of Student's distribution of eight groups.
+        const T: f64 = 3.5;
+        /// The fewest samples whose detail is judged.
+        const FEWEST: usize = 64;
+        match self {
+            Self::Mean(difference) => {
+                let values: Vec<f32> = samples.iter().map(difference).collect();
+                let estimate = Estimate::of(&values)?;
+                Ok(estimate.map(|estimate| (estimate.summary.mean, estimate.mean_interval)))
+            }
+            Self::Lost(detail, reach) => {
+                let known = samples.iter().filter(|sample| !self.difference(sample).is_nan());
+                let known = facing(known, toward);
+                let [lost, error] = detail.lost(&known, reach);
+                Ok((known.len() >= FEWEST).then_some((lost, [lost - T * error, lost + T * error])))
+            }
+        }
+    }
+}
+
+/// One in this many samples of a window must be on its side of the object for their detail to be judged.
+const LEAST_SIDE: usize = 4;
+
+/// Returns the samples that are seen from about this direction: a window on a thin part also holds its other side.
+fn facing<'a>(samples: impl Iterator<Item = &'a SurfaceSample>, toward: Vec3) -> Vec<&'a SurfaceSample> {
+    /// The cosine to the direction.
+    const LEAST: f32 = 0.25;
+    samples.filter(|sample| sample.toward.dot(toward) > LEAST).collect()
+}
+
+/// Finds the worst window by one pooling, and measures it at new points.
 fn patch_of(
     pair: &Pair<'_>,
     (close_up, points): (&CloseUp, usize),
-    difference: fn(&SurfaceSample) -> f32,
+    pooling: Pooling,
 ) -> Result<Option<Patch>> {
     let viewer = if close_up.is_of_scan { Viewer::of_scan(pair) } else { Viewer::of_asset(pair) };
-    let Some(window) = worst_window(&close_up.samples, PATCH_SHARE, difference) else { return Ok(None) };
+    let Some(window) = worst_window(&close_up.samples, PATCH_SHARE, pooling) else { return Ok(None) };
     let samples = fresh_samples(viewer, &window, (points / PART).max(POINTS))?;
-    let values: Vec<f32> = samples.iter().map(difference).collect();
-    let Some(estimate) = Estimate::of(&values)? else { return Ok(None) };
+    let Some((mean, interval)) = pooling.measured(&samples, window.toward)? else { return Ok(None) };
     let Window { center, radius, toward } = window.shown();
-    Ok(Some(Patch {
-        mean: estimate.summary.mean,
-        interval: estimate.mean_interval,
-        center,
-        radius,
-        toward,
-        is_of_scan: close_up.is_of_scan,
-    }))
+    Ok(Some(Patch { mean, interval, center, radius, toward, is_of_scan: close_up.is_of_scan }))
 }
 
 /// Returns the centre of the window of one per cent of the samples in which most of them are missing, in model units;
 /// `None` if none is.
 pub fn most_missing(close_up: &CloseUp) -> Option<[f64; 3]> {
-    let window =
-        worst_window(&close_up.samples, PATCH_SHARE, |sample| f32::from(u8::from(sample.is_missing)))?;
+    let is_missing = Pooling::Mean(|sample| f32::from(u8::from(sample.is_missing)));
+    let window = worst_window(&close_up.samples, PATCH_SHARE, is_missing)?;
     (window.mean > 0.0).then(|| window.center.to_f64().to_array())
 }
 
@@ -137,34 +206,32 @@ impl Ball {
 
 /// Finds the ball around a sample that contains a `share` of them, or all that have a `difference` if they are fewer, and has
 /// the largest mean; `None` if there is nothing to compare.
-pub(super) fn worst_window(
-    samples: &[SurfaceSample],
-    share: f64,
-    difference: fn(&SurfaceSample) -> f32,
-) -> Option<Ball> {
+pub(super) fn worst_window(samples: &[SurfaceSample], share: f64, pooling: Pooling) -> Option<Ball> {
     let step = samples.len().div_ceil(MOST_SAMPLES).max(1);
-    let known: Vec<(Vec3, Vec3, f32)> = samples
+    let known: Vec<(&SurfaceSample, f32)> = samples
         .iter()
         .step_by(step)
-        .map(|sample| (sample.position, sample.toward, difference(sample)))
-        .filter(|(.., value)| !value.is_nan())
+        .map(|sample| (sample, pooling.difference(sample)))
+        .filter(|(_, value)| !value.is_nan())
         .collect();
     if known.is_empty() {
         return None;
     }
-    let positions: Vec<Vec3> = known.iter().map(|(position, ..)| *position).collect();
+    let positions: Vec<Vec3> = known.iter().map(|(sample, _)| sample.position).collect();
     let windows = WINDOWS.min(known.len());
     let held = ((samples.len().div_ceil(step) as f64 * share) as usize).clamp(1, known.len());
     let window = |i: usize| {
         // Half of the windows are around the worst samples of as many equal parts, half around their first.
         let part = i / 2 * known.len() / windows.div_ceil(2);
         let end = ((i / 2 + 1) * known.len() / windows.div_ceil(2)).max(part + 1).min(known.len());
-        let worst = (part..end).fold(part, |best, k| if known[k].2 > known[best].2 { k } else { best });
-        let (center, toward, _) = known[if i.is_multiple_of(2) { worst } else { part }];
+        let worst = (part..end).fold(part, |best, k| if known[k].1 > known[best].1 { k } else { best });
+        let (&SurfaceSample { position: center, toward, .. }, _) =
+            known[if i.is_multiple_of(2) { worst } else { part }];
         let near = nearest(&positions, center, held);
         let radius = near.iter().fold(0.0, |most, (squared, _)| squared.max(most)).sqrt();
-        let mean = near.iter().map(|(_, k)| f64::from(known[*k].2)).sum::<f64>() / held as f64;
-        Ball { center, radius, toward, mean }
+        let inside: Vec<&SurfaceSample> = near.iter().map(|(_, k)| known[*k].0).collect();
+        let ball = Ball { center, radius, toward, mean: 0.0 };
+        Ball { mean: pooling.pooled(&inside, &ball, held), ..ball }
     };
     let all = parallel::tasks(windows, &window);
     all.into_iter().reduce(|worst, next| if next.mean > worst.mean { next } else { worst })
@@ -252,6 +319,8 @@ pub enum PatchQuantity {
     Color,
     /// The difference of metallic, roughness or occlusion, whichever is largest, [0, 1].
     Material,
+    /// Relief or colours that are lost, whichever is more, relative to those of the scan, as [`Detail::lost`].
+    Detail,
 }
 
 /// A parallel view of a patch, from the direction in which it is seen, with some margin.
@@ -327,7 +396,7 @@ impl PatchView {
             });
             let found = Difference::between(&seen, &shown, of != PatchQuantity::Angle);
             match of {
-                PatchQuantity::Angle => found.angle_deg,
+                PatchQuantity::Angle | PatchQuantity::Detail => found.angle_deg,
                 PatchQuantity::Color => found.color,
                 PatchQuantity::Material => found.material,
             }
@@ -454,7 +523,7 @@ impl<'a> Regions<'a> {
         let values: Vec<f32> = found.iter().map(difference).collect();
         let Some(estimate) = Estimate::of(&values)? else { return Ok(None) };
         let share = self.samples.get(&label).map_or(0.0, |samples| samples.len() as f64 / self.all as f64);
-        let worst = worst_window(&found, (PATCH_SHARE / share).min(1.0), difference);
+        let worst = worst_window(&found, (PATCH_SHARE / share).min(1.0), Pooling::Mean(difference));
         Ok(Some(Region {
             number: self.numbers.get(&label).copied().unwrap_or_default(),
             mean: estimate.summary.mean,

@@ -1,7 +1,10 @@
 //! Statistics of samples with confidence intervals: means, quantiles, and the shares beyond any limit.
 
+use super::SurfaceSample;
 use crate::compare::{Field, Summary};
 use crate::error::Result;
+use crate::math::Vec3;
+use crate::parallel;
 
 /// Standard deviations on either side of the mean that contain 99 % of a normal distribution.
 const SIGMAS_99: f64 = 2.5758;
@@ -165,6 +168,107 @@ fn sorted(values: &[f32]) -> Vec<f64> {
     let mut values: Vec<f64> = values.iter().filter(|v| !v.is_nan()).map(|v| f64::from(*v)).collect();
     values.sort_unstable_by(f64::total_cmp);
     values
+}
+
+/// The look of a scan whose variation within a window is its detail.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Detail {
+    /// Normals.
+    Relief,
+    /// Base colours.
+    Colors,
+}
+
+impl Detail {
+    /// Degrees, and differences of colours, that are hardly visible.
+    const LEAST: [f64; 2] = [4.0, 4.0];
+    /// Maximum number of samples that are compared with each other.
+    const MOST: usize = 4096;
+
+    /// Returns the differences of samples relative to what varies on the scan around them: √(D / (V + m²)), where D is the
+    /// mean square of the differences, V that of the scan's normals or colours about a linear fit over the window, and m the
+    /// least that is visible. A difference is that between the scan and what the asset shows most like it within `reach`, so
+    /// that an edge may be slightly moved, and the largest 3 % are left out. 0 if the asset has all detail, about 1 if it has none; 0 without samples. Also
+    /// returns its standard error.
+    pub(super) fn lost(self, samples: &[&SurfaceSample], reach: f32) -> [f64; 2] {
+        /// Groups whose spread shows the error.
+        const GROUPS: usize = 8;
+        /// The share of the samples, those with the largest differences, that are left out: edges that are moved by more.
+        const OUTLIERS: f64 = 0.03;
+        let some: Vec<&SurfaceSample> =
+            samples.iter().step_by(samples.len().div_ceil(Self::MOST).max(1)).copied().collect();
+        let squares = parallel::collect(some.len(), |i| self.unlike(&some, i, reach));
+        let least = Self::LEAST[self as usize];
+        let of_group = |first: usize, step: usize| {
+            let those = || (first..some.len()).step_by(step);
+            let points: Vec<_> = those().map(|i| self.point(some[i], some[0])).collect();
+            let mut off: Vec<f32> = those().map(|i| squares[i]).collect();
+            off.sort_unstable_by(f32::total_cmp);
+            off.truncate((points.len() as f64 * (1.0 - OUTLIERS)).ceil() as usize);
+            let square = off.iter().map(|v| f64::from(*v)).sum::<f64>() / off.len().max(1) as f64;
+            (square / (variation(&points) + least * least)).sqrt()
+        };
+        if some.is_empty() {
+            return [0.0; 2];
+        }
+        let all = of_group(0, 1);
+        let off: f64 = (0..GROUPS).map(|g| of_group(g, GROUPS) - all).map(|off| off * off).sum();
+        [all, (off / (GROUPS * (GROUPS - 1)) as f64).sqrt()]
+    }
+
+    fn of(self, sample: &SurfaceSample) -> [Vec3; 2] {
+        match self {
+            Self::Relief => sample.normals.map(|normal| normal * 1.0f32.to_degrees()),
+            Self::Colors => sample.labs,
+        }
+    }
+
+    /// Returns the squared difference between the scan at a sample and the most similar look of the asset around it.
+    fn unlike(self, samples: &[&SurfaceSample], i: usize, reach: f32) -> f32 {
+        let (own, [seen, _]) = (samples[i].position, self.of(samples[i]));
+        let is_near = |other: &&&SurfaceSample| {
+            let off = other.position - own;
+            off.dot(off) <= reach * reach
+        };
+        let square = |other: &&SurfaceSample| {
+            let off = self.of(other)[1] - seen;
+            off.dot(off)
+        };
+        samples.iter().filter(is_near).map(square).fold(square(&samples[i]), f32::min)
+    }
+
+    /// Returns the place of a sample on the plane of the first, and what the scan shows there.
+    fn point(self, sample: &SurfaceSample, first: &SurfaceSample) -> ([f64; 2], Vec3<f64>) {
+        let right = first.toward.any_perpendicular();
+        let off = sample.position - first.position;
+        let place = [right, first.toward.cross(right)].map(|axis| f64::from(off.dot(axis)));
+        (place, self.of(sample)[0].to_f64())
+    }
+}
+
+/// Returns the mean square that a linear fit over two coordinates leaves of vectors.
+fn variation(points: &[([f64; 2], Vec3<f64>)]) -> f64 {
+    let count = points.len() as f64;
+    let mean = points.iter().fold(([0.0; 2], Vec3::splat(0.0)), |([x, y], sum), ([u, v], value)| {
+        ([x + u / count, y + v / count], sum + *value / count)
+    });
+    let ([x, y], middle) = mean;
+    let (mut gram, mut sides, mut all) = ([0.0; 3], [Vec3::splat(0.0); 2], 0.0);
+    for ([u, v], value) in points {
+        let (u, v, value) = (u - x, v - y, *value - middle);
+        gram = [gram[0] + u * u, gram[1] + u * v, gram[2] + v * v];
+        sides = [sides[0] + value * u, sides[1] + value * v];
+        all += value.dot(value);
+    }
+    let [uu, uv, vv] = gram;
+    let determinant = uu * vv - uv * uv;
+    let explained = if determinant > 1e-12 * uu * vv {
+        let [a, b] = [sides[0] * vv - sides[1] * uv, sides[1] * uu - sides[0] * uv];
+        (a.dot(sides[0]) + b.dot(sides[1])) / determinant
+    } else {
+        0.0
+    };
+    ((all - explained) / count).max(0.0)
 }
 
 #[cfg(test)]

@@ -109,6 +109,7 @@ fn as_seen(level: &LevelFigures) -> Section {
         ("normals, close-up, worst 1 % of the surface (°)", &level.patches.angle),
         ("colours, close-up, worst 1 % of the surface (ΔE00)", &level.patches.color),
         ("metallic, roughness or occlusion, close-up, worst 1 % of the surface", &level.patches.material),
+        ("detail lost, close-up, worst 1 % of the surface", &level.patches.detail),
     ];
     for (name, patch) in patches {
         let Some(patch) = patch else { continue };

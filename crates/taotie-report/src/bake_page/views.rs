@@ -64,6 +64,7 @@ fn patch_view(figures: &Figures, pictures: &PatchPictures) -> Result<View> {
     let (name, unit, mean) = match of {
         PatchQuantity::Angle => ("normals", "°", format!("{:.2}°", patch.mean)),
         PatchQuantity::Color => ("colours", "ΔE00", format!("ΔE00 {:.2}", patch.mean)),
+        PatchQuantity::Detail => ("lost detail", "", format!("{:.3}", patch.mean)),
         PatchQuantity::Material => ("metallic, roughness or occlusion", "", format!("{:.3}", patch.mean)),
     };
     let look = if *of == PatchQuantity::Angle { "in one grey material" } else { "in their own materials" };

@@ -1,17 +1,14 @@
 //! Environment light: the built-in studio or a file, rotated, scaled, and cached after filtering.
 
-use directories::ProjectDirs;
-use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::SystemTime;
 use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::image::Image;
 use taotie_engine::render::EnvironmentLight;
 use taotie_engine::scene::Light;
 use taotie_engine::shade::environment::{ENVIRONMENT_VERSION, Environment, STUDIO_VERSION, studio};
 use taotie_io::parse::MOST;
-use taotie_io::{Limits, decode_environment_within, read_bytes, sha256_of, write_bytes};
+use taotie_io::{Limits, cache_file, cached_file, decode_environment_within, read_bytes, sha256_of};
 
 /// The names of the built-in studio and of the absence of an environment.
 const STUDIO: &str = "studio";
@@ -151,75 +148,17 @@ fn read(path: &Path, limits: &Limits) -> Result<Environment> {
 /// Returns the filtered environment of this name from the cache; otherwise makes it from its image and caches it.
 fn cached(name: &str, picture: impl FnOnce() -> Result<Image>) -> Result<Environment> {
     let key = format!("{name}-{ENVIRONMENT_VERSION}.env");
-    if let Some(environment) = opened(&key).and_then(|file| Environment::read(file).ok()) {
+    if let Some(environment) = cached_file(&key).and_then(|file| Environment::read(file).ok()) {
         return Ok(environment);
     }
     let environment = Environment::new(picture()?)?;
-    keep(&key, &environment.to_bytes());
+    cache_file(&key, &environment.to_bytes());
     Ok(environment)
-}
-
-/// Maximum number of bytes in the cache; the least recently used files are removed first.
-const MOST_BYTES: u64 = 512 << 20;
-
-/// Opens the file `name` of the cache if it exists. Opening counts as use.
-fn opened(name: &str) -> Option<File> {
-    let path = cache_folder()?.join(name);
-    let file = File::open(&path).ok()?;
-    if let Ok(file) = File::options().append(true).open(&path) {
-        let _ = file.set_modified(SystemTime::now());
-    }
-    Some(file)
-}
-
-/// Writes the file `name` to the cache, completely or not at all. A failure only costs time later.
-fn keep(name: &str, bytes: &[u8]) {
-    if let Some(folder) = cache_folder() {
-        let _ = write_in(&folder, name, bytes);
-        make_room(&folder, MOST_BYTES);
-    }
-}
-
-/// Returns the folder of cached files, such as filtered environments: the one in the environment variable
-/// `TAOTIE_CACHE_DIR` if set, otherwise one in the user's cache folder; `None` if the system has no such folder. It
-/// may not exist, and can be removed at any time.
-fn cache_folder() -> Option<PathBuf> {
-    if let Some(folder) = std::env::var_os("TAOTIE_CACHE_DIR") {
-        return Some(PathBuf::from(folder));
-    }
-    ProjectDirs::from("", "", "taotie").map(|dirs| dirs.cache_dir().to_owned())
-}
-
-fn write_in(folder: &Path, name: &str, bytes: &[u8]) -> Result<()> {
-    fs::create_dir_all(folder).map_err(|e| Error::io(folder, e))?;
-    write_bytes(&folder.join(name), bytes)
-}
-
-/// Removes the least recently used files until at most `most` bytes are left.
-fn make_room(folder: &Path, most: u64) {
-    let Ok(entries) = fs::read_dir(folder) else { return };
-    let ours = entries.flatten().filter(|entry| entry.path().extension().is_some_and(|e| e == "env"));
-    let known = ours.filter_map(|entry| {
-        let metadata = entry.metadata().ok()?;
-        Some((metadata.modified().ok()?, metadata.len(), entry.path()))
-    });
-    let mut files: Vec<(SystemTime, u64, PathBuf)> = known.collect();
-    files.sort();
-    let mut bytes: u64 = files.iter().map(|(_, bytes, _)| bytes).sum();
-    for (_, size, path) in files {
-        if bytes <= most {
-            return;
-        }
-        if fs::remove_file(path).is_ok() {
-            bytes -= size;
-        }
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::time::Duration;
 
     #[test]
     fn what_is_out_of_range_is_refused() {
@@ -230,21 +169,5 @@ mod tests {
         assert!(refused(EnvironmentOptions { rotation: f64::INFINITY, ..EnvironmentOptions::default() }));
         let source = Some(EnvironmentSource::File("nowhere.hdr".into()));
         assert!(refused(EnvironmentOptions { source, ..EnvironmentOptions::default() }));
-    }
-
-    #[test]
-    fn what_was_used_longest_ago_makes_room() {
-        let folder = tempfile::tempdir().unwrap();
-        for (age, name) in [(30, "old.env"), (10, "young.env"), (20, "middle.env"), (99, "foreign.txt")] {
-            write_in(folder.path(), name, &[0; 100]).unwrap();
-            let file = File::options().append(true).open(folder.path().join(name)).unwrap();
-            file.set_modified(SystemTime::now() - Duration::from_secs(age)).unwrap();
-        }
-        make_room(folder.path(), 250);
-        let left = |name: &str| folder.path().join(name).exists();
-        assert_eq!(
-            ["old.env", "young.env", "middle.env", "foreign.txt"].map(left),
-            [false, true, true, true]
-        );
     }
 }

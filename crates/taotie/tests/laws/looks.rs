@@ -123,7 +123,7 @@ fn what_is_seen_through_glass() {
     }
 }
 
-/// What transmits light in the file, but shows nothing behind it: metals, black, unlit surface, a black texture.
+/// Materials that transmit light in the file, but show nothing behind them: metals, black, unlit surface, a black texture.
 #[test]
 fn what_is_opaque_in_spite_of_transmission_hides() {
     let transmission = Some(Transmission { factor: 1.0, ..Transmission::default() });
@@ -231,6 +231,55 @@ fn materials_that_are_lost() {
         &bare,
         &shaded,
         (&["mean-material", "patch-material"], "metallic, roughness or occlusion is off by"),
+    );
+}
+
+/// The distance from the strokes of a line of letters, which are 0.09 high on a plate of side 1.
+fn off_strokes(u: f64, v: f64) -> f64 {
+    let (cell, y) = ((u * 14.0).fract() / 14.0, v - 0.5);
+    let inside = (0.12..0.88).contains(&u) && y.abs() < 0.045;
+    let upright = (cell - 0.02).abs();
+    let across = if cell < 0.02 { f64::INFINITY } else { (y - 0.02 * (u * 14.0).floor() / 14.0).abs() };
+    if inside { upright.min(across) } else { f64::INFINITY }
+}
+
+/// A plate with a back, engraved where `depth` is above 0.
+fn plate(depth: impl Fn(f64, f64) -> f64) -> MeshData {
+    const BACK: f64 = -0.04;
+    let front = grid([320, 320], false, |u, v| Vec3::new(u, 1.0 - v, -depth(u, v)));
+    joined([front, grid([4, 4], false, |u, v| Vec3::new(1.0 - u, 1.0 - v, BACK))])
+}
+
+/// Strokes cover so little of the worst patch that its mean is hardly off.
+#[test]
+fn inscriptions_that_are_gone() {
+    let groove = |u: f64, v: f64| 0.4 * (0.007 - off_strokes(u, v)).max(0.0);
+    let engraved = shown(plate(groove), Material::default());
+    let itself = scan(&engraved);
+    is_sound(&engraved, &itself);
+    let blank = shown(plate(|_, _| 0.0), Material::default());
+    let lost = is_bad(&blank, &itself, (&["patch-detail"], "of the relief or of the colours is lost"));
+    let level = &lost.figures.levels[0];
+    let [detail, angle] = [level.patches.detail, level.patches.angle].map(|patch| patch.unwrap().mean);
+    assert!(detail > 0.7 && angle < 8.0, "{detail} {angle}");
+    // Slightly deeper grooves are still there.
+    is_sound(&shown(plate(|u, v| 1.1 * groove(u, v)), Material::default()), &itself);
+    let painted = |ink: [f32; 4]| {
+        let data = plate(|_, _| 0.0);
+        let color = |p: &Vec3| {
+            let is_ink = p.z == 0.0 && off_strokes(p.x.into(), 1.0 - f64::from(p.y)) < 0.007;
+            if is_ink { ink } else { [0.6, 0.55, 0.5, 1.0] }
+        };
+        let colors = data.positions.iter().map(color).collect();
+        let base_color = [1.0; 4];
+        shown(MeshData { colors, ..data }, Material { base_color, ..Material::default() })
+    };
+    let text = scan(&painted([0.3, 0.25, 0.2, 1.0]));
+    is_sound(&painted([0.31, 0.26, 0.21, 1.0]), &text);
+    is_bad(
+        &painted([0.6, 0.55, 0.5, 1.0]),
+        &text,
+        (&["patch-detail"], "of the relief or of the colours is lost"),
     );
 }
 

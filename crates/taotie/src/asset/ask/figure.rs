@@ -26,6 +26,9 @@ pub enum Figure {
     MaxAngle,
     /// As seen close up: the mean angle in the worst window of 1 % of the surface, degrees; of each level.
     PatchAngle,
+    /// As seen close up: the differences of normals, or of base colours, relative to their variation on the scan, in the worst
+    /// window of 1 % of the surface: 0 if all detail is there, about 1 if none is; of each level.
+    PatchDetail,
     /// As seen: the mean colour difference at the same pixel, CIEDE2000; of each level.
     MeanColor,
     /// As seen: the colour difference that 95 % of the pixels stay below, CIEDE2000; of each level.
@@ -86,6 +89,7 @@ impl Named for Figure {
         ("p95-angle", Self::P95Angle),
         ("max-angle", Self::MaxAngle),
         ("patch-angle", Self::PatchAngle),
+        ("patch-detail", Self::PatchDetail),
         ("mean-color", Self::MeanColor),
         ("p95-color", Self::P95Color),
         ("patch-color", Self::PatchColor),
@@ -171,6 +175,7 @@ impl Figure {
             Self::P95Angle => (Looking::Overview, "normal error, 95 %"),
             Self::MaxAngle => (Looking::Overview, "normal error, largest sampled"),
             Self::PatchAngle => (Looking::CloseUp, "normal error, mean in the worst 1 % of the surface"),
+            Self::PatchDetail => (Looking::CloseUp, "detail lost in the worst 1 % of the surface"),
             Self::MeanColor => (Looking::Overview, "colour error, mean"),
             Self::P95Color => (Looking::Overview, "colour error, 95 %"),
             Self::PatchColor => (Looking::CloseUp, "colour error, mean in the worst 1 % of the surface"),
@@ -205,6 +210,7 @@ impl Figure {
                 Some(Sampling::Overview)
             }
             Self::PatchAngle
+            | Self::PatchDetail
             | Self::PatchColor
             | Self::PatchMaterial
             | Self::Missed
@@ -229,7 +235,7 @@ impl Figure {
             Self::MeanAngle | Self::P95Angle | Self::MaxAngle | Self::PatchAngle => DEGREES,
             Self::SurfaceMeanAngle | Self::SurfaceP95Angle | Self::SurfaceMaxAngle => DEGREES,
             Self::MeanColor | Self::P95Color | Self::PatchColor => COLOR,
-            Self::MeanMaterial | Self::PatchMaterial => PER_CENT,
+            Self::PatchDetail | Self::MeanMaterial | Self::PatchMaterial => PER_CENT,
             Self::Missed | Self::Completeness | Self::Hausdorff => PER_CENT,
             Self::WithinAngle | Self::WithinColor | Self::WithinDistance => PER_CENT,
             Self::Silhouette => PIXELS,

@@ -245,6 +245,8 @@ pub(in crate::asset) const MISSED: f64 = 0.001;
 /// The maximum mean differences of the worst window in `standard`: degrees, and CIEDE2000.
 pub(in crate::asset) const PATCH_DEG: f64 = 10.0;
 pub(in crate::asset) const PATCH_COLOR: f64 = 3.0;
+/// The maximum loss of detail in any window in all named sets.
+pub(in crate::asset) const PATCH_DETAIL: f64 = 0.3;
 /// The limit of metallic, roughness and occlusion in all named sets per ΔE of the limit of colours: see
 /// docs/decisions/proof.md.
 const MATERIAL_OF_COLOR: f64 = 0.04;
@@ -276,6 +278,7 @@ impl Requirement {
             Self::mean_angle_deg(1.0),
             Self::of(Figure::P95Angle, 5.0),
             Self::of(Figure::PatchAngle, PATCH_DEG),
+            Self::of(Figure::PatchDetail, PATCH_DETAIL),
             Self::missed(MISSED),
             Self::hausdorff(0.01),
         ];
@@ -314,7 +317,11 @@ impl Requirement {
     /// fraction of the diagonal, and of the mean, p95 and worst patch of colours, CIEDE2000, with those of materials. Those
     /// of colours and materials hold only if they are compared.
     fn of_use([mean, p95]: [f64; 2], hausdorff: f64, colors: [f64; 3]) -> Vec<Self> {
-        let angles = [Self::mean_angle_deg(mean), Self::of(Figure::P95Angle, p95)];
+        let angles = [
+            Self::mean_angle_deg(mean),
+            Self::of(Figure::P95Angle, p95),
+            Self::of(Figure::PatchDetail, PATCH_DETAIL),
+        ];
         let shape = [Self::missed(MISSED), Self::hausdorff(hausdorff)];
         let [mean, p95, patch] = colors;
         let colors = [(Figure::MeanColor, mean), (Figure::P95Color, p95), (Figure::PatchColor, patch)];

@@ -13,10 +13,11 @@ use taotie_engine::scene::NormalSpace;
 use taotie_io::{Limits, StoredImage, StoredParts};
 
 /// The figures that a certificate states, in order, if they were measured.
-const KEY_FIGURES: [Figure; 15] = [
+const KEY_FIGURES: [Figure; 16] = [
     Figure::MeanAngle,
     Figure::P95Angle,
     Figure::PatchAngle,
+    Figure::PatchDetail,
     Figure::MeanColor,
     Figure::PatchColor,
     Figure::MeanMaterial,

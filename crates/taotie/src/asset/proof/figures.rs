@@ -183,6 +183,9 @@ pub struct WorstPatches {
     /// compared.
     #[serde(default)]
     pub material: Option<Patch>,
+    /// The window in which most of the scan's relief or colours is lost, relative to their variation there.
+    #[serde(default)]
+    pub detail: Option<Patch>,
 }
 
 /// Surface that one of the two shows and the other lacks, as shares of area, [0, 1]. Surface on which only the asset is

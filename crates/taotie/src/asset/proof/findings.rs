@@ -3,21 +3,19 @@
 
 use super::figures::{Coverage, Figures, FitFigures, LevelFigures};
 use super::outcome::RequirementOutcome;
-use super::shown::ShownLevel;
-use crate::asset::ask::requirement::{MISSED, PATCH_COLOR, PATCH_DEG, PATCH_MATERIAL};
+use super::shown::{Shading, ShownLevel};
+use crate::asset::ask::requirement::{MISSED, PATCH_COLOR, PATCH_DEG, PATCH_DETAIL, PATCH_MATERIAL};
 use crate::asset::ask::{Figure, Requirement};
 use crate::asset::bake::{INSIDE_OUT, percent, useless_map};
 use crate::asset::source::{Property, is_plain, used_materials};
 use crate::asset::write::MapNote;
-use taotie_engine::bake::{LookupPoint, TexturedMesh};
+use taotie_engine::bake::TexturedMesh;
 use taotie_engine::error::Warnings;
 use taotie_engine::length::{Unit, place_text, texel_text};
 use taotie_engine::math::Vec3;
-use taotie_engine::mesh::sample_area;
 use taotie_engine::names::Named;
-use taotie_engine::proof::Mismatch;
-use taotie_engine::scene::{AlphaMode, LAYERS, Material, Scene, Specular};
-use taotie_engine::surface::facet_normal;
+use taotie_engine::proof::{Mismatch, Patch};
+use taotie_engine::scene::{LAYERS, Material, Scene, Specular};
 
 /// Shares of the area below this are noise: folds, thin cracks.
 const WORTH_A_WORD: f64 = 0.01;
@@ -85,45 +83,6 @@ fn note_shading(level: &ShownLevel<'_>, warnings: &mut Warnings) {
             percent(of_asset.needlessly_blended)
         );
         warnings.note(what, 1);
-    }
-}
-
-/// Properties of a surface that figures do not compare.
-struct Shading {
-    /// The share of the area whose normals are those of the triangles.
-    flat: f64,
-    /// The mean occlusion, 1 where there is no texture of it.
-    occlusion: f64,
-    /// The share of the area whose materials are blended although all of their surface is solid.
-    needlessly_blended: f64,
-}
-
-impl Shading {
-    fn of(surface: &TexturedMesh) -> Self {
-        const POINTS: usize = 2_000;
-        /// The cosine of 0.5°.
-        const SAME: f32 = 0.999_962;
-        let mesh = surface.mesh();
-        let Ok(point) = sample_area(mesh, POINTS) else {
-            return Self { flat: 0.0, occlusion: 1.0, needlessly_blended: 0.0 };
-        };
-        let (mut occlusion, mut flat, mut blended, mut is_seen_through) = (0.0, 0, 0, false);
-        for point in (0..POINTS).map(point) {
-            let material = surface.material(point.triangle);
-            let facet = facet_normal(mesh.corners(point.triangle as usize));
-            flat += i32::from(facet.is_some_and(|facet| facet.dot(point.normal(mesh)) > SAME));
-            occlusion += match material.occlusion_texture {
-                Some(_) => f64::from(surface.sample(LookupPoint::finest(point)).occlusion),
-                None => 1.0,
-            };
-            if material.alpha == AlphaMode::Blend {
-                blended += 1;
-                is_seen_through |= !surface.is_solid_at(point);
-            }
-        }
-        let share = |count: i32| f64::from(count) / POINTS as f64;
-        let needlessly_blended = if is_seen_through { 0.0 } else { share(blended) };
-        Self { flat: share(flat), occlusion: occlusion / POINTS as f64, needlessly_blended }
     }
 }
 
@@ -243,6 +202,8 @@ enum Fault {
     Colors,
     /// Metallic, roughness or occlusion is off.
     Material,
+    /// Relief or colours are lost.
+    Detail,
     /// The surfaces are apart.
     Apart,
 }
@@ -278,7 +239,8 @@ fn note_worst_places(all: &Figures, requirements: &[Requirement], warnings: &mut
 fn places<'a>(all: &Figures, number: usize, unmet: &'a [RequirementOutcome]) -> Vec<Place<'a>> {
     let level = &all.levels[number];
     let mut places: Vec<Place<'_>> = Vec::new();
-    for fault in [Fault::Missing, Fault::Normals, Fault::Colors, Fault::Material, Fault::Apart] {
+    for fault in [Fault::Missing, Fault::Normals, Fault::Colors, Fault::Material, Fault::Detail, Fault::Apart]
+    {
         let is_its =
             |met: &&RequirementOutcome| met.level == Some(number) && Fault::behind(met.figure) == Some(fault);
         let unmet: Vec<&RequirementOutcome> = unmet.iter().filter(is_its).collect();
@@ -324,6 +286,7 @@ impl Fault {
                 Some(Self::Colors)
             }
             Figure::MeanMaterial | Figure::PatchMaterial => Some(Self::Material),
+            Figure::PatchDetail => Some(Self::Detail),
             Figure::Silhouette | Figure::Texel | Figure::Triangles | Figure::GpuMemory | Figure::Bytes => {
                 None
             }
@@ -331,30 +294,45 @@ impl Fault {
         }
     }
 
+    /// Returns the window in which it is worst.
+    fn patch(self, level: &LevelFigures) -> Option<Patch> {
+        let patches = &level.patches;
+        match self {
+            Self::Missing | Self::Apart => None,
+            Self::Normals => patches.angle,
+            Self::Colors => patches.color,
+            Self::Material => patches.material,
+            Self::Detail => patches.detail,
+        }
+    }
+
     /// Returns `true` if the fault warrants a warning even if no requirement limits it.
     fn is_large(self, level: &LevelFigures) -> bool {
-        match self {
-            Self::Missing => level.coverage.missed() > MISSED,
-            Self::Apart => false,
-            Self::Normals => level.patches.angle.is_some_and(|patch| patch.mean > PATCH_DEG),
-            Self::Colors => level.patches.color.is_some_and(|patch| patch.mean > PATCH_COLOR),
-            Self::Material => level.patches.material.is_some_and(|patch| patch.mean > PATCH_MATERIAL),
-        }
+        let most = match self {
+            Self::Missing => return level.coverage.missed() > MISSED,
+            Self::Apart => return false,
+            Self::Normals => PATCH_DEG,
+            Self::Colors => PATCH_COLOR,
+            Self::Material => PATCH_MATERIAL,
+            Self::Detail => PATCH_DETAIL,
+        };
+        self.patch(level).is_some_and(|patch| patch.mean > most)
     }
 
     /// Describes the fault; `None` if unknown.
     fn text(self, level: &LevelFigures) -> Option<String> {
+        let mean = self.patch(level).map(|patch| patch.mean);
         match self {
             Self::Missing => missing(&level.coverage),
-            Self::Normals => {
-                level.patches.angle.map(|patch| format!("normals are off by {:.1}° on average", patch.mean))
+            Self::Normals => mean.map(|mean| format!("normals are off by {mean:.1}° on average")),
+            Self::Colors => mean.map(|mean| format!("colours are off by ΔE {mean:.1} on average")),
+            Self::Material => {
+                let off = percent(mean?);
+                Some(format!("metallic, roughness or occlusion is off by {off} on average"))
             }
-            Self::Colors => {
-                level.patches.color.map(|patch| format!("colours are off by ΔE {:.1} on average", patch.mean))
+            Self::Detail => {
+                mean.map(|lost| format!("{} of the relief or of the colours is lost", percent(lost)))
             }
-            Self::Material => level.patches.material.map(|patch| {
-                format!("metallic, roughness or occlusion is off by {} on average", percent(patch.mean))
-            }),
             Self::Apart => level.hausdorff.at.map(|_| "the surfaces are farthest apart".into()),
         }
     }
@@ -363,10 +341,8 @@ impl Fault {
     fn place(self, level: &LevelFigures) -> Option<[f64; 3]> {
         match self {
             Self::Missing => level.coverage.missed_at,
-            Self::Normals => level.patches.angle.map(|patch| patch.center),
-            Self::Colors => level.patches.color.map(|patch| patch.center),
-            Self::Material => level.patches.material.map(|patch| patch.center),
             Self::Apart => level.hausdorff.at,
+            _ => self.patch(level).map(|patch| patch.center),
         }
     }
 
@@ -374,7 +350,9 @@ impl Fault {
     fn extent(self) -> &'static str {
         match self {
             Self::Missing => ", most of it",
-            Self::Normals | Self::Colors | Self::Material => " in the worst 1 % of the surface,",
+            Self::Normals | Self::Colors | Self::Material | Self::Detail => {
+                " in the worst 1 % of the surface,"
+            }
             Self::Apart => "",
         }
     }

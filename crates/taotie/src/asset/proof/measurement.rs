@@ -334,6 +334,7 @@ impl LevelFigures {
                 angle: seen.worse_patch(pair, PatchQuantity::Angle)?,
                 color: seen.worse_patch(pair, PatchQuantity::Color)?,
                 material: seen.worse_patch(pair, PatchQuantity::Material)?,
+                detail: seen.worse_patch(pair, PatchQuantity::Detail)?,
             },
             worst_parts: WorstParts::of(pair, of_asset)?,
             beyond: Beyond::of([of_scan, of_asset], pair.diagonal, asked),

@@ -198,6 +198,7 @@ impl Requirement {
             Figure::P95Angle => angles.map(Value::p95),
             Figure::MaxAngle => exactly(angles.map(|angles| angles.summary.max)),
             Figure::PatchAngle => patch(&level.patches.angle),
+            Figure::PatchDetail => patch(&level.patches.detail),
             Figure::MeanColor => color.map(Value::mean),
             Figure::P95Color => color.map(Value::p95),
             Figure::PatchColor => patch(&level.patches.color).filter(|_| is_finite),
@@ -466,7 +467,7 @@ mod tests {
         plain.overview.color = None;
         let standard = Requirement::read("standard").unwrap();
         let count = |level: LevelFigures| figures(vec![level]).evaluate(&standard).len();
-        assert_eq!((count(plain.clone()), count(colored.clone())), (5, 9));
+        assert_eq!((count(plain.clone()), count(colored.clone())), (6, 10));
         assert!(figures(vec![plain]).evaluate(&standard).iter().all(|met| met.met));
         let met = figures(vec![colored]).evaluate(&standard);
         assert!(!met[6].met && met[6].value.is_none(), "no patch of colours was measured: {met:?}");

@@ -3,11 +3,13 @@
 use super::figures::{LevelFigures, MaterialFigures, PartFigures};
 use crate::asset::source::{Scan, is_plain};
 use std::path::Path;
-use taotie_engine::bake::{self, Cage, MaterialError, TexturedMesh, Verifier};
+use taotie_engine::bake::{self, Cage, LookupPoint, MaterialError, TexturedMesh, Verifier};
 use taotie_engine::compare::Field;
 use taotie_engine::error::{Error, Result};
 use taotie_engine::math::Mat4;
-use taotie_engine::scene::Scene;
+use taotie_engine::mesh::sample_area;
+use taotie_engine::scene::{AlphaMode, Scene};
+use taotie_engine::surface::facet_normal;
 
 /// The maximum number of materials measured separately; more are measured as one.
 const MOST_PARTS: usize = 64;
@@ -240,6 +242,45 @@ impl PartFigures {
             missed: found.missed,
             lost: found.lost,
         }
+    }
+}
+
+/// Properties of a surface that figures do not compare.
+pub(super) struct Shading {
+    /// The share of the area whose normals are those of the triangles.
+    pub flat: f64,
+    /// The mean occlusion, 1 where there is no texture of it.
+    pub occlusion: f64,
+    /// The share of the area whose materials are blended although all of their surface is solid.
+    pub needlessly_blended: f64,
+}
+
+impl Shading {
+    pub fn of(surface: &TexturedMesh) -> Self {
+        const POINTS: usize = 2_000;
+        /// The cosine of 0.5°.
+        const SAME: f32 = 0.999_962;
+        let mesh = surface.mesh();
+        let Ok(point) = sample_area(mesh, POINTS) else {
+            return Self { flat: 0.0, occlusion: 1.0, needlessly_blended: 0.0 };
+        };
+        let (mut occlusion, mut flat, mut blended, mut is_seen_through) = (0.0, 0, 0, false);
+        for point in (0..POINTS).map(point) {
+            let material = surface.material(point.triangle);
+            let facet = facet_normal(mesh.corners(point.triangle as usize));
+            flat += i32::from(facet.is_some_and(|facet| facet.dot(point.normal(mesh)) > SAME));
+            occlusion += match material.occlusion_texture {
+                Some(_) => f64::from(surface.sample(LookupPoint::finest(point)).occlusion),
+                None => 1.0,
+            };
+            if material.alpha == AlphaMode::Blend {
+                blended += 1;
+                is_seen_through |= !surface.is_solid_at(point);
+            }
+        }
+        let share = |count: i32| f64::from(count) / POINTS as f64;
+        let needlessly_blended = if is_seen_through { 0.0 } else { share(blended) };
+        Self { flat: share(flat), occlusion: occlusion / POINTS as f64, needlessly_blended }
     }
 }
 

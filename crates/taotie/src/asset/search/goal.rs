@@ -30,6 +30,8 @@ pub(super) struct Goal {
     colors: Vec<Limit>,
     /// Of metallic, roughness and occlusion, as fractions of the largest number.
     materials: Vec<Limit>,
+    /// The maximum detail lost in the worst patch; infinite without a limit.
+    detail: f64,
     /// The maximum share of the scan's pixels in which an asset lacks it.
     missing: f64,
     /// The factor on limits of shape, at most 1.
@@ -96,20 +98,31 @@ impl Goal {
             if required.is_empty() { times(&of(&lossless, figures), factor) } else { required }
         };
         let angles = required(&ANGLES, 1.0);
-        let factor = (least_mean(&angles) / least_mean(&of(&lossless, &ANGLES))).max(1.0);
-        let [colors, materials] = MOST_FACTORS.map(|most| factor.min(most));
-        let missed = requirements.iter().filter(|required| required.figure == Figure::Missed);
         // Coarser levels are never seen close up, where the proof judges it, unless a requirement names them.
         let is_judged = |required: &&Requirement| match required.level {
             Some(of) => of == level,
             None => level == 0,
         };
+        let of_detail = |from: &[Requirement]| -> f64 {
+            let own =
+                from.iter().filter(|required| required.figure == Figure::PatchDetail && is_judged(required));
+            own.map(|required| required.most.max(LEAST)).fold(f64::INFINITY, f64::min)
+        };
+        let names_angles = requirements.iter().any(|required| ANGLES.contains(&required.figure));
+        let detail = match of_detail(requirements) {
+            f64::INFINITY if !names_angles => of_detail(&lossless),
+            own => own,
+        };
+        let factor = (least_mean(&angles) / least_mean(&of(&lossless, &ANGLES))).max(1.0);
+        let [colors, materials] = MOST_FACTORS.map(|most| factor.min(most));
+        let missed = requirements.iter().filter(|required| required.figure == Figure::Missed);
         let of_level = missed.filter(is_judged);
         let missing = of_level.map(|required| required.most.max(LEAST)).reduce(f64::min).unwrap_or(MISSING);
         Self {
             angles,
             colors: required(&COLORS, colors),
             materials: required(&MATERIALS, materials),
+            detail,
             missing,
             shape: 1.0,
         }
@@ -118,8 +131,8 @@ impl Goal {
     /// Returns the requirements that a search takes into account; those of [`Requirement::visually_lossless`] if there are none
     /// for differences.
     pub fn decided(requirements: &[Requirement]) -> Vec<Requirement> {
-        let of_shape =
-            |required: &Requirement| [Figure::Missed, Figure::Hausdorff].contains(&required.figure);
+        let others = [Figure::PatchDetail, Figure::Missed, Figure::Hausdorff];
+        let of_shape = |required: &Requirement| others.contains(&required.figure);
         let is_decided = |required: &&Requirement| Limit::of(required).is_some() || of_shape(required);
         let decided: Vec<Requirement> = requirements.iter().filter(is_decided).copied().collect();
         if !decided.iter().all(of_shape) {
@@ -135,25 +148,30 @@ impl Goal {
         let [angles, colors, materials] =
             [&self.angles, &self.colors, &self.materials].map(|limits| times(limits, factor));
         let shape = factor.min(1.0);
-        Self { angles, colors, materials, missing: self.missing * shape, shape }
+        let [detail, missing] = [self.detail, self.missing].map(|most| most * shape);
+        Self { angles, colors, materials, detail, missing, shape }
     }
 
     /// Returns the largest ratios of differences, in ascending order, to the limits of angles and of materials; `None`
     /// for materials that are not compared. The first is also at least the ratio of what is missing to its limit, and
-    /// infinite without angles to compare. `patches` are the means in the worst patches of angles, colours and materials, if
-    /// known; otherwise the worst pixels count, wherever they are.
-    pub fn ratios(&self, seen: &PixelDifferences, patches: [Option<f64>; 3]) -> (f64, Option<f64>) {
+    /// infinite without angles to compare. `patches` are those of the worst patches of angles, colours, materials and detail, if
+    /// known; otherwise the worst pixels count, wherever they are, and no lost detail.
+    pub fn ratios(&self, seen: &PixelDifferences, patches: [Option<f64>; 4]) -> (f64, Option<f64>) {
         let color = (!seen.colors.is_empty()).then(|| {
             let materials = worst(&self.materials, &seen.materials, patches[2]);
             worst(&self.colors, &seen.colors, patches[1]).max(materials)
         });
-        (worst(&self.angles, &seen.angles, patches[0]).max(seen.missing / self.missing), color)
+        let lost = patches[3].map_or(0.0, |lost| lost / self.detail);
+        let angles = worst(&self.angles, &seen.angles, patches[0]);
+        (angles.max(lost).max(seen.missing / self.missing), color)
     }
 
-    /// Returns `true` if it limits the worst patch, of angles, of colours and of materials.
-    pub fn limits_patches(&self) -> [bool; 3] {
+    /// Returns `true` if it limits the worst patch, of angles, of colours, of materials and of detail.
+    pub fn limits_patches(&self) -> [bool; 4] {
         let is_patch = |limit: &Limit| matches!(limit.statistic, Statistic::Worst(_));
-        [&self.angles, &self.colors, &self.materials].map(|limits| limits.iter().any(is_patch))
+        let [angles, colors, materials] =
+            [&self.angles, &self.colors, &self.materials].map(|limits| limits.iter().any(is_patch));
+        [angles, colors, materials, self.detail.is_finite()]
     }
 
     /// Returns the largest ratio of an image's visible differences, in ascending order, to their limit; infinite if
@@ -429,12 +447,12 @@ mod tests {
 
     #[test]
     fn the_worst_limit_decides() {
-        let (angle, color) = goal(&["mean-angle=1", "mean-color=2"]).ratios(&seen(), [None; 3]);
+        let (angle, color) = goal(&["mean-angle=1", "mean-color=2"]).ratios(&seen(), [None; 4]);
         assert!((angle - 0.7).abs() < 6e-3 && (color.unwrap() - 0.7).abs() < 6e-3, "{angle} {color:?}");
-        assert!((goal(&["mean-angle=1", "p95-angle=0.48"]).ratios(&seen(), [None; 3]).0 - 2.0).abs() < 3e-2);
-        assert!((goal(&["patch-angle=5"]).ratios(&seen(), [None; 3]).0 - 4.0).abs() < 1e-6);
-        assert_eq!(goal(&["patch-angle=5"]).ratios(&seen(), [Some(10.0), None, None]).0, 2.0);
-        let (_, color) = goal(&["within-1dE=50%"]).ratios(&seen(), [None; 3]);
+        assert!((goal(&["mean-angle=1", "p95-angle=0.48"]).ratios(&seen(), [None; 4]).0 - 2.0).abs() < 3e-2);
+        assert!((goal(&["patch-angle=5"]).ratios(&seen(), [None; 4]).0 - 4.0).abs() < 1e-6);
+        assert_eq!(goal(&["patch-angle=5"]).ratios(&seen(), [Some(10.0), None, None, None]).0, 2.0);
+        let (_, color) = goal(&["within-1dE=50%"]).ratios(&seen(), [None; 4]);
         assert!((color.unwrap() - 1.02).abs() < 2e-2, "{color:?}");
     }
 
@@ -463,12 +481,12 @@ mod tests {
         let (lossless, wanted) =
             (Goal::of(&[], 0), goal(&["mean-angle@0=4", "flip=0.1", "mean-angle@1=0.1"]));
         assert_eq!(
-            wanted.ratios(&seen(), [None; 3]).1.map(|ratio| ratio * 2.0),
-            lossless.ratios(&seen(), [None; 3]).1
+            wanted.ratios(&seen(), [None; 4]).1.map(|ratio| ratio * 2.0),
+            lossless.ratios(&seen(), [None; 4]).1
         );
         assert_eq!(
-            goal(&["mean-angle=0.1"]).ratios(&seen(), [None; 3]).1,
-            lossless.ratios(&seen(), [None; 3]).1
+            goal(&["mean-angle=0.1"]).ratios(&seen(), [None; 4]).1,
+            lossless.ratios(&seen(), [None; 4]).1
         );
         assert!((wanted.ratio_of_mean(1.0) - 0.25).abs() < 1e-9, "only of level 0");
     }
@@ -477,7 +495,7 @@ mod tests {
     fn what_lacks_a_part_is_not_near() {
         let lacks = |missing: f64| PixelDifferences { missing, ..seen() };
         let loose = |more: &'static str| goal(&["mean-angle=90", "p95-angle=90", "patch-angle=90", more]);
-        let ratio = |goal: Goal, missing: f64| goal.ratios(&lacks(missing), [None; 3]).0;
+        let ratio = |goal: Goal, missing: f64| goal.ratios(&lacks(missing), [None; 4]).0;
         assert!(ratio(loose("flip=1"), 0.009) < 1.0 && ratio(loose("flip=1"), 0.011) > 1.0);
         assert!(ratio(loose("missed=0.1%"), 0.0009) < 1.0);
         assert!((ratio(loose("missed=0.1%").times(9.0), 0.002) - 2.0).abs() < 1e-9);
@@ -485,7 +503,7 @@ mod tests {
 
     #[test]
     fn nothing_to_compare_is_not_near() {
-        assert_eq!(Goal::of(&[], 0).ratios(&PixelDifferences::default(), [None; 3]), (f64::INFINITY, None));
+        assert_eq!(Goal::of(&[], 0).ratios(&PixelDifferences::default(), [None; 4]), (f64::INFINITY, None));
     }
 
     #[test]

@@ -288,15 +288,15 @@ impl<'a> LevelMaker<'a> {
         Ok(Coarser { mesh, look, across: across.max(Lod::LEAST), is_near: across > 0 })
     }
 
-    /// Makes the lightest level that meets the limits at this size in pixels: from the finest one's triangles, or from
-    /// scratch with at most `most` triangles.
+    /// Makes the lightest level that meets the limits at this size in pixels, with at most `most` triangles: from the finest
+    /// one's, or from scratch.
     ///
     /// # Errors
     /// [`Error::Invalid`] if nothing meets them there.
     pub fn for_pixels(&self, (level, most): (Level, usize), progress: Progress<'_>) -> Result<Coarser> {
         let simplified = match self.source {
             Source::Bare => None,
-            _ => self.lightest(level, progress)?,
+            _ => self.lightest((level, most), progress)?,
         };
         let fresh = match self.finest {
             Finest::Made { .. } if self.recipe.options.searches() => {
@@ -306,8 +306,7 @@ impl<'a> LevelMaker<'a> {
         };
         let best = match (simplified, fresh) {
             (Some(simplified), Some((made, bytes))) => {
-                let is_light = simplified.mesh.triangles().len() <= most;
-                let is_lighter = is_light && self.added_bytes(&simplified.mesh)? <= bytes;
+                let is_lighter = self.added_bytes(&simplified.mesh)? <= bytes;
                 Some(if is_lighter { simplified } else { made })
             }
             (simplified, made) => simplified.or(made.map(|(made, _)| made)),
@@ -316,34 +315,35 @@ impl<'a> LevelMaker<'a> {
             Some(Candidate { mesh, look }) => Ok(Coarser { mesh, look, across: level.across, is_near: true }),
             None => Err(Error::invalid(
                 format!("the level of detail {}", Lod::Pixels(level.across)),
-                "no candidate meets the limits of the finest level there",
+                format!(
+                    "no candidate of at most {most} triangles meets the limits of the finest level there"
+                ),
             )),
         }
     }
 
     /// Returns the fewest of the finest level's triangles that meet the limits at this size in pixels, with its maps,
-    /// or with a separate normal map if that needs far fewer; `None` if not even all do.
-    fn lightest(&self, level: Level, progress: Progress<'_>) -> Result<Option<Candidate>> {
-        let shared = self.fewest(level, &|count| self.simplified(count, progress))?;
+    /// or with a separate normal map if that needs far fewer; `None` if `most` do not.
+    fn lightest(&self, (level, most): (Level, usize), progress: Progress<'_>) -> Result<Option<Candidate>> {
+        let shared = self.fewest((level, most), &|count| self.simplified(count, progress))?;
         if !self.may_rebake() {
             return Ok(shared);
         }
-        let rebaked = self.fewest(level, &|count| self.rebaked((level.number, count), progress))?;
+        let rebaked = self.fewest((level, most), &|count| self.rebaked((level.number, count), progress))?;
         let count =
             |of: &Option<Candidate>| of.as_ref().map_or(f64::INFINITY, |of| of.mesh.triangles().len() as f64);
         Ok(if count(&rebaked) < FAR_FEWER * count(&shared) { rebaked } else { shared })
     }
 
-    /// Returns the fewest triangles that meet the limits at this size in pixels; `None` if not even all of the finest
-    /// level do.
+    /// Returns the fewest triangles that meet the limits at this size in pixels; `None` if about `most` do not.
     fn fewest(
         &self,
-        level: Level,
+        (level, most): (Level, usize),
         made: &dyn Fn(u32) -> Result<(Candidate, bake::Scan)>,
     ) -> Result<Option<Candidate>> {
         let workshop = self.workshop(level);
-        let [mut low, mut high] = [f64::from(FEWEST), self.triangles as f64];
-        let (mut best, mut count) = (None, high * level.part().sqrt());
+        let [mut low, mut high] = [f64::from(FEWEST), most as f64];
+        let (mut best, mut count) = (None, high.min(self.triangles as f64 * level.part().sqrt()));
         for _ in 0..ROUNDS {
             match sound(made(count as u32))? {
                 Some((candidate, surface)) if workshop.ratio(&surface) <= 1.0 => {

@@ -401,7 +401,7 @@ impl<'a> Workshop<'a> {
     fn seen(&self, pair: &proof::Pair<'_>) -> Differences {
         let of_pixels = |count: usize| {
             let seen = proof::pixel_differences(pair, self.subject.level.picture(count)).sorted();
-            let (angle_ratio, color_ratio) = self.goal.ratios(&seen, [None; 3]);
+            let (angle_ratio, color_ratio) = self.goal.ratios(&seen, [None; 4]);
             Differences { seen, angle_ratio, color_ratio }
         };
         let found = of_pixels(PIXELS);
@@ -411,7 +411,7 @@ impl<'a> Workshop<'a> {
     /// Replaces the worst pixels, which may be anywhere and show less detail than close-ups, by the worst patches of the
     /// proof, if all other limits are met.
     fn see_patches(&self, pair: &proof::Pair<'_>, found: &mut Differences) {
-        let (angle, color) = self.goal.ratios(&found.seen, [Some(0.0); 3]);
+        let (angle, color) = self.goal.ratios(&found.seen, [Some(0.0); 4]);
         if angle.max(color.unwrap_or_default()) > 1.0 {
             return;
         }
@@ -433,13 +433,13 @@ impl<'a> Workshop<'a> {
     }
 }
 
-/// Returns the most that the mean differences of angles, colours and materials in the worst patch of either surface are likely to
-/// be; `None` for those not `wanted`, or without anything to compare.
-fn worst_patches(pair: &proof::Pair<'_>, wanted: [bool; 3]) -> Result<[Option<f64>; 3]> {
+/// Returns the most that the figures of angles, colours, materials and detail in the worst patch of either surface are likely to be;
+/// `None` for those not `wanted`, or without anything to compare.
+fn worst_patches(pair: &proof::Pair<'_>, wanted: [bool; 4]) -> Result<[Option<f64>; 4]> {
     let close_ups = [CloseUp::of_scan(pair, PIXELS)?, CloseUp::of_asset(pair, PIXELS)?];
-    let of = [PatchQuantity::Angle, PatchQuantity::Color, PatchQuantity::Material];
-    let mut most = [None; 3];
-    for i in (0..3).filter(|i| wanted[*i]) {
+    let of = [PatchQuantity::Angle, PatchQuantity::Color, PatchQuantity::Material, PatchQuantity::Detail];
+    let mut most = [None; 4];
+    for i in (0..4).filter(|i| wanted[*i]) {
         for close_up in &close_ups {
             let patch = proof::worst_patch(pair, (close_up, PIXELS), of[i])?;
             most[i] = most[i].into_iter().chain(patch.map(|patch| patch.interval[1])).reduce(f64::max);

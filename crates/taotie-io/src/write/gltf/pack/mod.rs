@@ -18,10 +18,12 @@ use crate::limits::Limits;
 use geometry::{Precision, Shaped, Simplified};
 use meshopt::SimplifyVertex;
 use serde_json::{Map, Value, json};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use taotie_engine::error::{Error, Result};
 use taotie_engine::image::{Bitmap, Encoding};
 use taotie_engine::scene::LAYERS;
+use tracks::Arrays;
 
 /// A glTF file that can be packed in several ways. Tangents that no material reads are dropped. Meshes packed by an
 /// extension are copied unchanged; so are images that cannot be decoded, are KTX2, or have a use that is not rendered
@@ -148,7 +150,7 @@ impl GltfPacker {
             let precision = Precision { bits: geometry.bits, extent: *extent };
             file.add_vertices(&simplified.vertices, &Shaped::new(&simplified), &precision)?;
         }
-        tracks::add(&mut file, &self.tracks)?;
+        file.add_tracks(&self.tracks)?;
         let own = self.images.iter().enumerate().filter_map(|(number, own)| Some((number, own.as_ref()?)));
         for (number, own) in own {
             file.add_image(number, own, images.iter().find(|image| image.number == number));
@@ -289,6 +291,38 @@ impl Packed {
                     json["targets"] = json!(targets);
                 }
             }
+        }
+        Ok(())
+    }
+
+    /// Adds the times and values of tracks: all of the same layout in one view.
+    fn add_tracks(&mut self, tracks: &[StoredTrack]) -> Result<()> {
+        let Arrays { streams, of_tracks } = Arrays::of(tracks);
+        let mut views: BTreeMap<_, Vec<usize>> = BTreeMap::new();
+        for (i, stream) in streams.iter().enumerate() {
+            views.entry((stream.width, stream.filter)).or_default().push(i);
+        }
+        let mut accessors = vec![0; streams.len()];
+        for numbers in views.into_values() {
+            let Some(joined) = Stream::joined(numbers.iter().map(|i| &streams[*i])) else { continue };
+            edit::require(&mut self.json, self.codecs.meshopt());
+            let packing = Packing { target: None, ..joined.packing(self.codecs) };
+            let view = self.packed_view(&joined.packed(self.codecs)?, &packing);
+            let mut offset = 0;
+            for i in numbers {
+                let mut accessor = streams[i].accessor(view);
+                if offset > 0 {
+                    accessor["byteOffset"] = offset.into();
+                }
+                offset += streams[i].bytes.len();
+                accessors[i] = edit::push(&mut self.json, "accessors", accessor);
+            }
+        }
+        for (track, [input, output]) in tracks.iter().zip(of_tracks) {
+            let [animation, sampler] = track.place;
+            let sampler = &mut self.json["animations"][animation]["samplers"][sampler];
+            sampler["input"] = accessors[input].into();
+            sampler["output"] = accessors[output].into();
         }
         Ok(())
     }

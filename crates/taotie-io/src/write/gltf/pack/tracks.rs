@@ -1,13 +1,11 @@
 //! The keyframes of animations: thinned, rounded, and each array stored once.
 
-use super::super::draft::{Component, Packing};
+use super::super::draft::Component;
 use super::super::edit;
 use super::super::stream::{PowerOfTwo, Quaternions, Stream};
-use super::Packed;
 use crate::gltf::StoredTrack;
-use serde_json::{Value, json};
+use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
-use taotie_engine::error::Result;
 use taotie_engine::scene::animation::{Interpolation, Tolerance};
 
 /// Dropped keyframes change a rotation by at most this many degrees. Rounding adds less than 0.01.
@@ -166,44 +164,24 @@ fn exact(values: &[f32], width: usize) -> Stream {
     }
 }
 
-/// Adds the times and values of tracks: equal arrays once, and all of the same layout in one view.
-pub(super) fn add(file: &mut Packed, tracks: &[StoredTrack]) -> Result<()> {
-    let mut streams: Vec<Stream> = Vec::new();
-    let mut known = HashMap::new();
-    let mut number = |stream: Stream| -> usize {
-        let key = (stream.bytes.clone(), stream.width, stream.filter, stream.bounds.is_some());
-        *known.entry(key).or_insert_with(|| {
-            streams.push(stream);
-            streams.len() - 1
-        })
-    };
-    let named: Vec<[usize; 2]> =
-        tracks.iter().map(|track| [number(times(track)), number(values(track))]).collect();
-    let mut views: BTreeMap<_, Vec<usize>> = BTreeMap::new();
-    for (i, stream) in streams.iter().enumerate() {
-        views.entry((stream.width, stream.filter)).or_default().push(i);
+/// The arrays of tracks, equal ones once.
+pub(super) struct Arrays {
+    pub streams: Vec<Stream>,
+    /// The indices of each track's times and values among these.
+    pub of_tracks: Vec<[usize; 2]>,
+}
+
+impl Arrays {
+    pub fn of(tracks: &[StoredTrack]) -> Self {
+        let (mut streams, mut known) = (Vec::new(), HashMap::new());
+        let mut number = |stream: Stream| -> usize {
+            let key = (stream.bytes.clone(), stream.width, stream.filter, stream.bounds.is_some());
+            *known.entry(key).or_insert_with(|| {
+                streams.push(stream);
+                streams.len() - 1
+            })
+        };
+        let of_tracks = tracks.iter().map(|track| [number(times(track)), number(values(track))]).collect();
+        Self { streams, of_tracks }
     }
-    let mut accessors = vec![0; streams.len()];
-    for numbers in views.into_values() {
-        let Some(joined) = Stream::joined(numbers.iter().map(|i| &streams[*i])) else { continue };
-        edit::require(&mut file.json, file.codecs.meshopt());
-        let packing = Packing { target: None, ..joined.packing(file.codecs) };
-        let view = file.packed_view(&joined.packed(file.codecs)?, &packing);
-        let mut offset = 0;
-        for i in numbers {
-            let mut accessor = streams[i].accessor(view);
-            if offset > 0 {
-                accessor["byteOffset"] = offset.into();
-            }
-            offset += streams[i].bytes.len();
-            accessors[i] = edit::push(&mut file.json, "accessors", accessor);
-        }
-    }
-    for (track, [input, output]) in tracks.iter().zip(named) {
-        let [animation, sampler] = track.place;
-        let sampler = &mut file.json["animations"][animation]["samplers"][sampler];
-        sampler["input"] = json!(accessors[input]);
-        sampler["output"] = json!(accessors[output]);
-    }
-    Ok(())
 }
