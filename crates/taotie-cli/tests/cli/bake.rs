@@ -29,10 +29,10 @@ pub fn number(value: &Value, path: &str) -> f64 {
 #[test]
 fn a_scan_becomes_an_asset_with_its_proof() {
     let place = Place::with("scan.obj", SCAN.obj());
-    let line = "bake scan.obj -o out.glb --triangles 1000 --size 128 --require mean-angle=2,missed=0.1%";
+    let line = "bake scan.obj -o out.glb --triangles 1000 --size 256 --require mean-angle=2,missed=0.1%";
     place.taotie(line).assert().success().stderr_eq("baking 9024 triangles needs about [..] of memory\n").stdout_eq(
         str![[r#"
-9024 triangles onto 1000, maps of 128×128
+9024 triangles onto 1000, maps of 256×256
 normal error as seen         mean [..]°, median [..]°, quartiles [..]° and [..]°, p95 [..]°, max [..]°; mean ± [..]°
 worst 1 % of the surface     [..]° around ([..], [..], [..])
 worst UV island              [..]° on island [..] of [..] ([..] % of the area) around ([..], [..], [..])[..]
@@ -420,7 +420,7 @@ fn a_level_that_is_no_coarser_is_told() {
 fn a_low_poly_mesh_without_uvs_is_unwrapped() {
     let place = Place::with("scan.obj", SCAN.obj());
     place.write("low.obj", Ball { uv: None, ..LOW }.obj());
-    let report = place.json("bake scan.obj --low low.obj -o out.glb --size 128 --json");
+    let report = place.json("bake scan.obj --low low.obj -o out.glb --size 256 --json");
     assert_eq!(report["warnings"], json!([]));
     assert_eq!((&report["origin"]["simplified"], &report["triangles"]), (&Value::Null, &json!([528])));
     assert!(number(&report, "/origin/islands") >= 2.0);

@@ -91,7 +91,7 @@ fn it_holds_what_was_required_the_hashes_and_who_signed() {
     let place = pair();
     prove(&place, BAKE);
     let certificate = &report(&place, "out.report.json")["certificate"];
-    assert_eq!(certificate["required"].as_array().expect("a list").len(), 10);
+    assert_eq!(certificate["required"].as_array().expect("a list").len(), 11);
     assert_eq!((&certificate["date"], &certificate["operator"]), (&"2026-05-01".into(), &"Curator".into()));
     assert_eq!(certificate["options"]["scan"]["crease_angle_deg"], 40.0);
     let hash = |name: &str| Value::from(taotie_io::sha256(&place.path(name)).expect("it is there"));

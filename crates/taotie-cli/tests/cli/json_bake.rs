@@ -262,6 +262,7 @@ struct Patches {
     angle: Option<Patch>,
     color: Option<Patch>,
     material: Option<Patch>,
+    detail: Option<Patch>,
 }
 
 #[derive(Deserialize)]
@@ -495,6 +496,8 @@ fn of_a_pair() {
     assert!(overview.p95_interval[0] <= seen.p95 && seen.p95 <= overview.p95_interval[1]);
     let patch = level.patches.angle.as_ref().expect("there is a worst patch");
     assert!(patch.interval[0] <= patch.mean && patch.mean <= patch.interval[1] && patch.radius > 0.0);
+    let lost = level.patches.detail.as_ref().expect("there is relief");
+    assert!((0.0..1.0).contains(&lost.mean), "{}", lost.mean);
     let Beyond { angle, color, distance } = &level.beyond;
     let [angle, distance] = [angle, distance].map(|curve| curve.as_ref().expect("samples were taken"));
     for Exceedance { limits, shares, samples } in [angle, distance] {

@@ -462,7 +462,7 @@ mod tests {
         let mut plain = level(0.5, 0.001);
         plain.coverage.missed_interval = [0.0; 2];
         let patch = |mean: f64| Patch { mean, interval: [mean; 2], ..Patch::default() };
-        plain.patches.angle = Some(patch(3.0));
+        (plain.patches.angle, plain.patches.detail) = (Some(patch(3.0)), Some(patch(0.1)));
         let colored = plain.clone();
         plain.overview.color = None;
         let standard = Requirement::read("standard").unwrap();
@@ -470,7 +470,7 @@ mod tests {
         assert_eq!((count(plain.clone()), count(colored.clone())), (6, 10));
         assert!(figures(vec![plain]).evaluate(&standard).iter().all(|met| met.met));
         let met = figures(vec![colored]).evaluate(&standard);
-        assert!(!met[6].met && met[6].value.is_none(), "no patch of colours was measured: {met:?}");
+        assert!(!met[7].met && met[7].value.is_none(), "no patch of colours was measured: {met:?}");
     }
 
     #[test]

@@ -148,7 +148,7 @@ impl Goal {
         let [angles, colors, materials] =
             [&self.angles, &self.colors, &self.materials].map(|limits| times(limits, factor));
         let shape = factor.min(1.0);
-        let [detail, missing] = [self.detail, self.missing].map(|most| most * shape);
+        let (detail, missing) = (self.detail * factor, self.missing * shape);
         Self { angles, colors, materials, detail, missing, shape }
     }
 
