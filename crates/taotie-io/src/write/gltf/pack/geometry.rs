@@ -369,7 +369,8 @@ fn weights(attribute: &StoredAttribute, order: &[usize]) -> Option<Stream> {
     let mut bytes = Vec::with_capacity(4 * order.len());
     for weights in in_order(attribute, order).as_chunks::<4>().0 {
         let sum: f32 = weights.iter().sum();
-        if weights.iter().any(|weight| *weight < 0.0) || !((sum - 1.0).abs() < 0.01) {
+        let are_weights = weights.iter().all(|weight| *weight >= 0.0) && (0.99..1.01).contains(&sum);
+        if !are_weights {
             return None;
         }
         let exact = weights.map(|weight| weight / sum * ONE);
