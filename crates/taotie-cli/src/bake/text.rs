@@ -153,20 +153,18 @@ fn as_seen(figures: &Figures, level: &LevelFigures, table: &mut Table) {
         table.row(["material error as seen".into(), summary_text(&material.summary, 3, "")]);
     }
     let worst = &level.patches;
-    let patches: [(Option<Patch>, fn(f64) -> String); 4] = [
-        (worst.angle, |mean| format!("{mean:.2}°")),
-        (worst.color, |mean| format!("ΔE {mean:.2}")),
-        (worst.material, |mean| format!("material {mean:.2}")),
-        (worst.detail, |lost| format!("detail {:.0} % lost", lost * 100.0)),
+    let text = |patch: &Option<Patch>, shown: &dyn Fn(f64) -> String| {
+        let patch = patch.as_ref()?;
+        let place = place_text(patch.center, figures.diagonal, figures.unit);
+        Some(format!("{} around {place}", shown(patch.mean)))
+    };
+    let patches = [
+        text(&worst.angle, &|mean| format!("{mean:.2}°")),
+        text(&worst.color, &|mean| format!("ΔE {mean:.2}")),
+        text(&worst.material, &|mean| format!("material {mean:.2}")),
+        text(&worst.detail, &|lost| format!("detail {:.0} % lost", lost * 100.0)),
     ];
-    let patches: Vec<String> = patches
-        .into_iter()
-        .filter_map(|(patch, text)| {
-            let patch = patch?;
-            let place = place_text(patch.center, figures.diagonal, figures.unit);
-            Some(format!("{} around {place}", text(patch.mean)))
-        })
-        .collect();
+    let patches: Vec<String> = patches.into_iter().flatten().collect();
     if !patches.is_empty() {
         table.row(["worst 1 % of the surface".into(), patches.join("; ")]);
     }

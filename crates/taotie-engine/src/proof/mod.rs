@@ -25,7 +25,7 @@ pub use patch::{
     PATCH_SHARE, Patch, PatchQuantity, PatchView, Region, Window, WorstRegions, most_missing, worst_patch,
 };
 pub use silhouette::{SilhouetteFigures, silhouettes};
-pub use statistics::{Detail, Estimate, Exceedance, Share, share_interval};
+pub use statistics::{Estimate, Exceedance, Share, share_interval};
 
 use crate::bake::{LookupPoint, Scan, Visibility};
 use crate::compare::{angle_deg, color_difference, lab_from_linear};

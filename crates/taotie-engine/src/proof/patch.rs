@@ -32,8 +32,8 @@ const MOST_TRIED: usize = 128;
 /// The window of one per cent of the visible surface in which an asset differs most from its scan.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Patch {
-    /// The mean difference within it, in degrees, CIEDE2000, or as a fraction of the largest number; or the detail lost, as
-    /// [`Detail::lost`].
+    /// The mean difference within it, in degrees, CIEDE2000, or as a fraction of the largest number; or the detail lost, 0 to
+    /// about 1.
     pub mean: f64,
     /// Its 99 % interval.
     pub interval: [f64; 2],
@@ -319,7 +319,8 @@ pub enum PatchQuantity {
     Color,
     /// The difference of metallic, roughness or occlusion, whichever is largest, [0, 1].
     Material,
-    /// Relief or colours that are lost, whichever is more, relative to those of the scan, as [`Detail::lost`].
+    /// Relief or colours that are lost, whichever is more, relative to how much they vary on the scan: √(D / (V + m²)), where D
+    /// is the mean square of differences, V that of the scan about a linear fit, and m is 4° or ΔE 4.
     Detail,
 }
 

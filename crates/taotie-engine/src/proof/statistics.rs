@@ -172,7 +172,7 @@ fn sorted(values: &[f32]) -> Vec<f64> {
 
 /// The look of a scan whose variation within a window is its detail.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Detail {
+pub(super) enum Detail {
     /// Normals.
     Relief,
     /// Base colours.
