@@ -1,16 +1,16 @@
 //! Files as bytes: reading from regular files only, since a model may refer to any path; their sizes and hashes; and a cache
 //! of files in the user's cache folder.
 
+use crate::write::write_bytes;
 use directories::ProjectDirs;
 use sha2::{Digest, Sha256};
 use std::fs::{self, File};
-use std::io::{self, Read, Write};
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, OnceLock, PoisonError};
 use std::thread::JoinHandle;
 use std::time::SystemTime;
 use taotie_engine::error::{Error, Result};
-use tempfile::NamedTempFile;
 
 /// Size of the largest file read, in bytes.
 const MAX_BYTES: u64 = 1 << 34;
@@ -208,12 +208,9 @@ fn cache_folder() -> Option<PathBuf> {
     ProjectDirs::from("", "", "taotie").map(|dirs| dirs.cache_dir().to_owned())
 }
 
-fn write_in(folder: &Path, name: &str, bytes: &[u8]) -> io::Result<()> {
-    fs::create_dir_all(folder)?;
-    let mut file = NamedTempFile::new_in(folder)?;
-    file.write_all(bytes)?;
-    file.persist(folder.join(name))?;
-    Ok(())
+fn write_in(folder: &Path, name: &str, bytes: &[u8]) -> Result<()> {
+    fs::create_dir_all(folder).map_err(|e| Error::io(folder, e))?;
+    write_bytes(&folder.join(name), bytes)
 }
 
 /// Removes the least recently used files until at most `most` bytes are left.

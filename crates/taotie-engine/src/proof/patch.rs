@@ -98,7 +98,7 @@ impl Pooling {
         }
     }
 
-    /// Returns the number of samples that have a difference; a window holds `all`.
+    /// Returns the figure of a window that holds `all` samples, from those that have a difference.
     fn pooled(self, samples: &[&SurfaceSample], window: &Ball, all: usize) -> f64 {
         /// Mean distances between samples within which an edge may be moved.
         const FEW: f32 = 2.0;
@@ -108,15 +108,18 @@ impl Pooling {
             }
             Self::Lost(detail, reach) => {
                 let side = facing(samples.iter().copied(), window.toward);
+                if LEAST_SIDE * side.len() < all {
+                    return 0.0;
+                }
                 let apart = window.radius * (std::f32::consts::PI / all as f32).sqrt();
                 let [lost, _] = detail.lost(&side, reach.max(FEW * apart));
-                if LEAST_SIDE * side.len() < all { 0.0 } else { lost }
+                lost
             }
         }
     }
 
-    /// Returns the number of new samples of a window seen from the direction `toward`, and its 99 % interval; `None` if nothing
-    /// is compared.
+    /// Returns the figure of a window seen from the direction `toward`, and its 99 % interval, from new samples; `None` if
+    /// nothing is compared.
     fn measured(self, samples: &[SurfaceSample], toward: Vec3) -> Result<Option<(f64, [f64; 2])>> {
         /// Standard errors on either side of the number that contain 99 % of Student's distribution of eight groups.
         const T: f64 = 3.5;

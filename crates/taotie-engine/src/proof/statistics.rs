@@ -188,8 +188,8 @@ impl Detail {
     /// Returns the differences of samples relative to what varies on the scan around them: √(D / (V + m²)), where D is the
     /// mean square of the differences, V that of the scan's normals or colours about a linear fit over the window, and m the
     /// least that is visible. A difference is that between the scan and what the asset shows most like it within `reach`, so
-    /// that an edge may be slightly moved, and the largest 3 % are left out. 0 if the asset has all detail, about 1 if it has none; 0 without samples. Also
-    /// returns its standard error.
+    /// that an edge may be slightly moved, and the largest 3 % are left out. 0 if the asset has all detail, about 1 if it has
+    /// none; 0 without samples. Also returns its standard error.
     pub(super) fn lost(self, samples: &[&SurfaceSample], reach: f32) -> [f64; 2] {
         /// Groups whose spread shows the error.
         const GROUPS: usize = 8;
