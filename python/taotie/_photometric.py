@@ -28,6 +28,8 @@ class PhotometricNormals:
         Degrees within which 68 % of the true normals are expected.
     albedo : ndarray
         The brightness under light along the normal, in the unit of the photographs.
+    color : ndarray
+        ``(H, W, 3)``: the same in linear red, green and blue, whose mean is `albedo`; without highlights.
     residuals : ndarray
         Standard deviation of a pixel's residuals, relative to its albedo.
     depth : ndarray
@@ -49,6 +51,7 @@ class PhotometricNormals:
     normals: npt.NDArray[np.float32]
     sigma: npt.NDArray[np.float32]
     albedo: npt.NDArray[np.float32]
+    color: npt.NDArray[np.float32]
     residuals: npt.NDArray[np.float32]
     depth: npt.NDArray[np.float32]
     mask: npt.NDArray[np.bool_]
@@ -84,6 +87,7 @@ def photometric(
     mask: Any = None,
     encoding: Literal["auto", "linear", "srgb"] = "auto",
     pixel_size: float | None = None,
+    unit: Literal["mm", "cm", "m", "in"] | None = None,
     progress: Progress = None,
     threads: int | None = None,
 ) -> PhotometricNormals:
@@ -104,6 +108,8 @@ def photometric(
         The meaning of the numbers in the photographs.
     pixel_size : float, optional
         The side of a pixel on the object: the unit of depth, and of lamp positions in an ``.lp`` file.
+    unit : {"mm", "cm", "m", "in"}, optional
+        The unit of ``pixel_size``; models that are saved are then in metres.
 
     Returns
     -------
@@ -127,10 +133,14 @@ def photometric(
         pixel_size = number("pixel_size", pixel_size)
         if pixel_size <= 0:
             raise invalid(f"pixel_size {pixel_size:g}", "expected a number above 0")
+    if unit is not None:
+        choose("unit", unit, ("mm", "cm", "m", "in"))
+        if pixel_size is None:
+            raise invalid(f"unit {unit!r}", "expected pixel_size, too")
     taken = _photographs(images, lights)
     taken["mask"] = None if mask is None else _mask(mask)
     with running(progress, threads) as run:
-        native = _taotie.photometric(taken, {"encoding": encoding, "pixel_size": pixel_size}, run)
+        native = _taotie.photometric(taken, {"encoding": encoding, "pixel_size": pixel_size, "unit": unit}, run)
     warn(native.warnings())
     arrays = native.arrays()
     return PhotometricNormals(

@@ -29,6 +29,7 @@ pub use gltf::{ContentSize, GLTF_EXTENSIONS, GltfSizes, GltfSource, ImageSize, S
 
 pub use bitmap::{
     decode_bitmap, decode_environment, decode_environment_within, read_bitmap, read_bitmap_within,
+    read_photograph_within,
 };
 pub use file::{FileHash, cache_file, cached_file, file_size, read as read_bytes, sha256, sha256_of};
 pub use json::Json;

@@ -17,7 +17,10 @@ use std::collections::btree_map::Entry;
 use std::path::{Path, PathBuf};
 use taotie_engine::image::{Bitmap, Encoding, Texels};
 use taotie_engine::names::Named;
-use taotie_io::{MapFormat, decode_bitmap, encode_map, read_bitmap};
+use taotie_io::{
+    Limits, MapFormat, decode_bitmap, encode_jpeg_bitmap, encode_map, read_bitmap, read_bitmap_within,
+    read_photograph_within,
+};
 
 const EXTENSIONS: [&str; 11] =
     ["png", "jpg", "jpeg", "webp", "avif", "ktx2", "tga", "tif", "tiff", "hdr", "exr"];
@@ -408,6 +411,33 @@ fn damaged_variants_never_panic() {
         }
     }
     memory_stayed_small();
+}
+
+/// Photographs are turned as their metadata state, and textures are not.
+#[test]
+fn photographs_are_upright() {
+    let texel = |i: u32| if i % 64 < 32 && i < 16 * 64 { [250, 250, 250, 255] } else { [0, 0, 0, 255] };
+    let texels = Texels::U8((0..64 * 32).map(texel).collect());
+    let plain = encode_jpeg_bitmap(&Bitmap::new(64, 32, 3, texels).unwrap(), 90).unwrap();
+    // A TIFF of one entry: orientation 6, which is shown turned clockwise.
+    let exif = b"\xff\xe1\0\x22Exif\0\0MM\0\x2a\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0";
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.jpg");
+    let read = |bytes: &[u8]| {
+        std::fs::write(&path, bytes).unwrap();
+        let limits = Limits::default();
+        [read_photograph_within(&path, &limits), read_bitmap_within(&path, &limits)].map(Result::unwrap)
+    };
+    let [photograph, texture] = read(&plain);
+    assert_eq!(photograph, texture);
+    let [photograph, texture] = read(&[&plain[..2], exif, &plain[2..]].concat());
+    assert_eq!(
+        [texture.width(), texture.height(), photograph.width(), photograph.height()],
+        [64, 32, 32, 64]
+    );
+    let is_bright = |x: u32, y: u32| photograph.stored((y * 32 + x) as usize)[0] > 0.5;
+    // The left becomes the top, and the top the right.
+    assert!(is_bright(28, 8) && !is_bright(4, 8) && !is_bright(28, 56) && !is_bright(4, 56));
 }
 
 /// A linear congruential generator (Knuth): the same numbers on every machine.

@@ -4,7 +4,7 @@ use crate::circle::{Circle, Outline, candidates, refined};
 use crate::grey::GreyImage;
 use crate::highlight::{Highlight, highlight};
 use crate::lamp::{Ray, intersection, mean_direction, squared_angles};
-use crate::light::Light;
+use crate::light::{Light, place};
 use crate::photograph::{Photograph, Transfer, grey_image};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -355,7 +355,9 @@ fn lit_part(image: &GreyImage, ball: &Circle, light: &Light) -> Vec<[f64; 2]> {
         let [x, y] = [pixel[0] as f64 + 0.5 - ball.center[0], ball.center[1] - pixel[1] as f64 - 0.5];
         let [x, y] = [x / ball.radius, y / ball.radius];
         let normal = Vec3::new(x, y, (1.0 - x * x - y * y).max(0.0).sqrt());
-        let at = light.at(pixel, size);
+        // It rests on the plane of the object, as chrome balls do: its surface is closer to a near lamp.
+        let height = Vec3::new(0.0, 0.0, ball.radius * (1.0 + normal.z));
+        let at = light.at(place(pixel, size) + height);
         let cosine = normal.dot(at.direction);
         let grey = f64::from(image.values[i]) * at.falloff;
         (cosine > LEAST_COSINE && grey > 0.0).then_some([cosine, grey])

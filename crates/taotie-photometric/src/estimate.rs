@@ -2,6 +2,7 @@
 
 use crate::appearance::Fitting;
 use crate::block::LANES;
+use crate::chroma::chroma;
 use crate::finish::FEWEST_LIGHTS;
 use crate::grid::Grid;
 use crate::indirect::{Indirect, quantile};
@@ -88,6 +89,8 @@ pub struct Estimate {
     pub regions: Vec<RegionFinish>,
     /// The highlight of each pixel; `None` if it is matt or not fitted.
     pub finishes: Vec<Option<Finish>>,
+    /// Red, green and blue of each pixel relative to their mean, which is 1; empty if the photographs are grey.
+    chroma: Vec<[f32; 3]>,
 }
 
 /// An estimator of normals.
@@ -140,6 +143,7 @@ impl Estimate {
         if best.iter().all(Option::is_none) {
             return Err(Error::invalid("no pixel has a normal", why_none(samples)));
         }
+        let chroma = chroma(samples, &best, progress.begin("color")?)?;
         Ok(Self {
             width: samples.width,
             height: samples.height,
@@ -157,6 +161,7 @@ impl Estimate {
             unexplained: indirect.unexplained,
             finishes: surfaces.of_pixels.iter().map(|surface| surface.as_ref()?.finish).collect(),
             regions: surfaces.regions,
+            chroma,
         })
     }
 
@@ -181,6 +186,20 @@ impl Estimate {
                 Estimator::Best => best.normal,
             };
             normal.to_array()
+        })
+    }
+
+    /// Returns true if the photographs are in colour.
+    pub fn has_color(&self) -> bool {
+        !self.chroma.is_empty()
+    }
+
+    /// Returns the albedo in colour, whose mean over the channels is [`PixelEstimate::albedo`], and a fourth channel of 1;
+    /// zeros without an estimate.
+    pub fn albedos(&self) -> Image {
+        self.image(|i, best| {
+            let chroma = self.chroma.get(i).copied().unwrap_or([1.0; 3]);
+            chroma.map(|v| best.albedo * f64::from(v))
         })
     }
 

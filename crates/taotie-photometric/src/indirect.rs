@@ -36,7 +36,7 @@ const SHADOW: f64 = 0.05;
 /// they are clipped.
 const LEAST_ALBEDO: f64 = 0.02;
 /// The most albedo of bright pixels, as stray light in the room would make it larger.
-const MOST_ALBEDO: f64 = 0.9;
+pub const MOST_ALBEDO: f64 = 0.9;
 
 /// The indirect light of all pixels.
 #[derive(Debug, Clone)]

@@ -22,6 +22,7 @@ mod bilateral;
 mod block;
 mod calibration;
 mod cells;
+mod chroma;
 mod circle;
 mod depth;
 mod diligent;

@@ -36,20 +36,24 @@ impl Light {
         })
     }
 
-    /// Returns the light as a pixel of a picture sees it, if its surface is on the plane of the object.
-    pub fn at(&self, pixel: [usize; 2], size: [usize; 2]) -> Lit {
+    /// Returns the light as a point sees it, in pixels from the picture's centre; see [`place`].
+    pub fn at(&self, point: Vec3<f64>) -> Lit {
         match self.position {
             None => Lit { direction: self.direction, falloff: 1.0 },
-            Some(position) => near(position, pixel, size),
+            Some(position) => near(position, point),
         }
     }
 }
 
-/// Returns a near lamp as a pixel sees it.
-pub fn near(position: Vec3<f64>, pixel: [usize; 2], [width, height]: [usize; 2]) -> Lit {
+/// Returns the centre of a pixel on the plane of the object, pixels from the picture's centre.
+pub fn place(pixel: [usize; 2], [width, height]: [usize; 2]) -> Vec3<f64> {
     let x = pixel[0] as f64 + 0.5 - 0.5 * width as f64;
-    let y = 0.5 * height as f64 - pixel[1] as f64 - 0.5;
-    let to = position - Vec3::new(x, y, 0.0);
+    Vec3::new(x, 0.5 * height as f64 - pixel[1] as f64 - 0.5, 0.0)
+}
+
+/// Returns a near lamp as a point sees it.
+pub fn near(position: Vec3<f64>, point: Vec3<f64>) -> Lit {
+    let to = position - point;
     let square = to.dot(to);
     let direction = to / square.sqrt().max(f64::MIN_POSITIVE);
     Lit { direction, falloff: square / position.dot(position) }

@@ -8,6 +8,8 @@ use crate::samples::Reading;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use taotie_engine::error::{Error, Result};
+use taotie_engine::length::Unit;
+use taotie_engine::names::Named;
 use taotie_io::Limits;
 
 /// Known facts about photographs, and the files to write in addition to normals.
@@ -27,6 +29,8 @@ pub struct PhotometricOptions {
     pub flat: Option<PathBuf>,
     /// The side of a pixel on the object: the unit of depth, and of lamp positions in an `.lp` file.
     pub pixel_size: Option<f64>,
+    /// The unit of `pixel_size`: models are then written in metres.
+    pub unit: Option<Unit>,
     /// Relightable images to write in addition.
     pub relight: Vec<RelightFormat>,
 }
@@ -41,10 +45,19 @@ impl PhotometricOptions {
             let what = format!("invalid size of a pixel `{size}`");
             return Err(Error::invalid(what, "use a number above 0, e.g. 0.05"));
         }
+        if let (Some(unit), None) = (self.unit, self.pixel_size) {
+            let what = format!("a unit, {}, without the size of a pixel", unit.name());
+            return Err(Error::invalid(what, "state that size, too"));
+        }
         match self.grey_ball.is_some() && self.flat.is_some() {
             true => Err(Error::invalid("a grey ball and a white board", "give only one of them")),
             false => Ok(()),
         }
+    }
+
+    /// Returns the side of a pixel in models: in metres if the unit is known, as glTF requires.
+    pub fn side_in_models(&self) -> f64 {
+        self.pixel_size.unwrap_or(1.0) * self.unit.map_or(1.0, Unit::metres)
     }
 
     /// Returns the facts that are known before photographs are read.

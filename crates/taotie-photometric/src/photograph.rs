@@ -8,7 +8,7 @@ use taotie_engine::error::{Error, Result};
 use taotie_engine::image::{Bitmap, Encoding, Texels};
 use taotie_engine::math::srgb::linear_from_srgb;
 use taotie_engine::names::Named;
-use taotie_io::{Limits, read_bitmap_within};
+use taotie_io::{Limits, read_photograph_within};
 
 /// The meaning of the numbers in photographs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -67,11 +67,7 @@ impl Sample {
 
     /// Returns the sample of a relit image's colour, in [0, 1] if it can be displayed.
     pub fn displayed(color: [f32; 3], transfer: Transfer) -> Self {
-        let linear = |v: f32| match transfer {
-            Transfer::Linear => f64::from(v),
-            _ => linear_from_srgb(f64::from(v)),
-        };
-        Self::new(color.map(|v| linear(v.max(0.0))).iter().sum::<f64>() / 3.0, false)
+        Self::new(color.map(|v| linear_of_displayed(v, transfer)).iter().sum::<f64>() / 3.0, false)
     }
 
     /// Returns the sample of a light brighter by a factor.
@@ -99,6 +95,12 @@ impl Sample {
     }
 }
 
+/// Returns the linear light of a channel of a relit image, at least 0.
+pub fn linear_of_displayed(v: f32, transfer: Transfer) -> f64 {
+    let v = f64::from(v.max(0.0));
+    if transfer == Transfer::Linear { v } else { linear_from_srgb(v) }
+}
+
 /// Returns the factor of a sample that removes all unevenness of the light, which a white board facing the camera
 /// shows, times `cosine`, l_z.
 pub fn flattening(board: Sample, cosine: f64) -> f64 {
@@ -120,7 +122,7 @@ pub struct Photograph {
 /// # Errors
 /// Those of reading an image.
 pub fn grey_image(path: &Path, transfer: Transfer, limits: &Limits) -> Result<GreyImage> {
-    let bitmap = read_bitmap_within(path, limits)?;
+    let bitmap = read_photograph_within(path, limits)?;
     let shape = Shape::of(&bitmap);
     let pixels: Vec<u32> = (0..shape.width * shape.height).collect();
     let samples = Decoder::new((path, shape), &pixels, transfer).samples(path, &bitmap, [1.0; 3])?;

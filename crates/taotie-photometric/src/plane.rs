@@ -17,17 +17,17 @@ use taotie_engine::scene::{
 const MATT: Finish = Finish { roughness: 1.0, f0: 0.04 };
 
 impl Estimate {
-    /// Returns a rectangle that faces +z, its longer side 1, with a tangent-space normal map of 16 bits and a base
-    /// colour that is transparent outside the mask.
+    /// Returns a rectangle that faces +z, with the longer side `longer`, a tangent-space normal map of 16 bits, and a
+    /// base colour that is transparent outside the mask.
     ///
     /// # Errors
     /// Those of [`Scene::new`], none of which can occur.
-    pub fn plane(&self) -> Result<Scene> {
+    pub fn plane(&self, longer: f64) -> Result<Scene> {
         let opaque = |[x, y, z, _]: [u16; 4]| [x, y, z, u16::MAX];
         let normals = Texels::U16(self.normal_codes().into_iter().map(opaque).collect());
         let normals = Texture::new(Bitmap::new(self.width(), self.height(), 3, normals)?, Encoding::Normal);
         Scene::new(SceneData {
-            meshes: vec![rectangle(self.width(), self.height())?],
+            meshes: vec![rectangle([self.width(), self.height()], longer)?],
             instances: vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }],
             ..self.appearance(Some(normals))?
         })
@@ -74,10 +74,10 @@ impl Estimate {
         self.normals(Estimator::Best).pixels().iter().map(texel).collect()
     }
 
-    /// Returns the base colour of each pixel as a code of sRGB: the albedo that indirect light shows, or assumed; 0 without a
+    /// Returns the base colour of each pixel as codes of sRGB: the albedo that indirect light shows, or assumed; 0 without a
     /// normal.
-    pub fn base_color_codes(&self) -> Vec<u8> {
-        self.base_colors().into_iter().map(|[code, ..]| code).collect()
+    pub fn base_color_codes(&self) -> Vec<[u8; 3]> {
+        self.base_colors().into_iter().map(|[red, green, blue, _]| [red, green, blue]).collect()
     }
 
     /// Returns the roughness of each pixel as a code, 255 for 1 and for matt pixels; 0 without a normal.
@@ -90,9 +90,13 @@ impl Estimate {
     fn base_colors(&self) -> Vec<[u8; 4]> {
         let bright = quantile(self.best.iter().flatten().map(|best| best.albedo).collect(), 0.95);
         let factor = self.albedo / bright.max(f64::MIN_POSITIVE);
-        let colors = self.image(|_, best| [srgb_from_linear((best.albedo * factor).clamp(0.0, 1.0)); 3]);
-        let code = |v: f32| (v * 255.0 + 0.5) as u8;
-        colors.pixels().iter().map(|pixel| pixel.map(code)).collect()
+        let code = |v: f64| (v * 255.0 + 0.5) as u8;
+        let color = |v: f32| code(srgb_from_linear((f64::from(v) * factor).clamp(0.0, 1.0)));
+        let texel = |[red, green, blue, has]: &[f32; 4]| {
+            let [red, green, blue] = [*red, *green, *blue].map(color);
+            [red, green, blue, code(f64::from(*has))]
+        };
+        self.albedos().pixels().iter().map(texel).collect()
     }
 }
 
@@ -102,9 +106,9 @@ fn index(f0: f64) -> f64 {
     (1.0 + root) / (1.0 - root)
 }
 
-fn rectangle(width: u32, height: u32) -> Result<Mesh> {
-    let longer = f64::from(width.max(height));
-    let [x, y] = [width, height].map(|side| 0.5 * f64::from(side) / longer);
+fn rectangle(sides: [u32; 2], longer: f64) -> Result<Mesh> {
+    let most = f64::from(sides[0].max(sides[1]));
+    let [x, y] = sides.map(|side| 0.5 * longer * f64::from(side) / most);
     let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
     let uv = |[u, v]: [f64; 2]| Vec2::new(0.5 + 0.5 * u as f32, 0.5 - 0.5 * v as f32);
     Mesh::new(MeshData {

@@ -1,6 +1,7 @@
 //! The pixels of all photographs within the mask, in linear light.
 
-use crate::light::{self, Light, near};
+use crate::chroma::ColorSource;
+use crate::light::{self, Light, near, place};
 use crate::photograph::{Decoder, Photograph, Sample, Shape, Transfer};
 use crate::set::PhotographSet;
 use std::path::Path;
@@ -8,7 +9,7 @@ use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::image::Bitmap;
 use taotie_engine::math::Vec3;
 use taotie_engine::{Progress, parallel};
-use taotie_io::{Bytes, Limits, read_bitmap_within};
+use taotie_io::{Bytes, Limits, read_photograph_within};
 
 /// The samples of all photographs.
 #[derive(Debug, Clone)]
@@ -31,6 +32,10 @@ pub struct Samples {
     pub transfer: Transfer,
     /// `true` if they are made from a relightable image, which smooths highlights: no reflection is fitted.
     pub is_relit: bool,
+    /// For each photograph the intensity of its light.
+    pub(crate) intensities: Vec<[f64; 3]>,
+    /// The same photographs in colour.
+    pub(crate) source: ColorSource,
 }
 
 /// The most pixels of all photographs together, so that indices and sums stay exact.
@@ -68,7 +73,7 @@ impl Samples {
     fn shape(set: &PhotographSet, reading: &Reading<'_>) -> Result<Shape> {
         Ok(match &set.relightable {
             Some(image) => Shape { width: image.width, height: image.height, bits: 8 },
-            None => Shape::of(&read_bitmap_within(&set.photographs[0].path, &reading.limits)?),
+            None => Shape::of(&read_photograph_within(&set.photographs[0].path, &reading.limits)?),
         })
     }
 
@@ -85,8 +90,8 @@ impl Samples {
             None => (0..shape.width * shape.height).collect(),
         };
         let size = [shape.width as usize, shape.height as usize];
-        let place = |i: u32| [i % shape.width, i / shape.width].map(|v| v as usize);
-        let is_ball = |i: &u32| set.balls.iter().any(|ball| ball.holds(place(*i), BORDER));
+        let pixel = |i: u32| [i % shape.width, i / shape.width].map(|v| v as usize);
+        let is_ball = |i: &u32| set.balls.iter().any(|ball| ball.holds(pixel(*i), BORDER));
         let mask: Vec<u32> = mask.into_iter().filter(|i| !is_ball(i)).collect();
         if mask.is_empty() {
             return Err(Error::invalid("an empty mask", "the balls cover all of it"));
@@ -117,11 +122,11 @@ impl Samples {
                 progress.at(i as f64 / count as f64)?;
                 return Ok(mask.iter().map(|i| Sample::displayed(relit[*i as usize], transfer)).collect());
             }
-            let bitmap = read_bitmap_within(&photograph.path, &reading.limits)?;
+            let bitmap = read_photograph_within(&photograph.path, &reading.limits)?;
             let mut samples = decoder.samples(&photograph.path, &bitmap, light.intensity)?;
-            let lit = |i: usize| light.at(place(mask[i]), size);
+            let lit = |i: usize| light.at(place(pixel(mask[i]), size));
             if let Some(flats) = &flats {
-                let board = read_bitmap_within(&flats[i], &reading.limits)?;
+                let board = read_photograph_within(&flats[i], &reading.limits)?;
                 // Both contain the light's intensity.
                 let board = decoder.samples(&flats[i], &board, light.intensity)?;
                 check_flat(&flats[i], &board)?;
@@ -138,8 +143,23 @@ impl Samples {
         let lights = set.photographs.iter().map(|photograph| photograph.light.direction).collect();
         let positions = set.photographs.iter().map(|photograph| photograph.light.position).collect();
         let Shape { width, height, bits } = shape;
-        let is_relit = set.relightable.is_some();
-        Ok(Self { width, height, pixels: mask, images, lights, positions, bits, transfer, is_relit })
+        let paths = || set.photographs.iter().map(|photograph| photograph.path.clone()).collect();
+        Ok(Self {
+            width,
+            height,
+            pixels: mask,
+            images,
+            lights,
+            positions,
+            bits,
+            transfer,
+            is_relit: set.relightable.is_some(),
+            intensities: set.photographs.iter().map(|photograph| photograph.light.intensity).collect(),
+            source: match &set.relightable {
+                Some(image) => ColorSource::Relightable(image.clone()),
+                None => ColorSource::Files(paths(), reading.limits),
+            },
+        })
     }
 
     /// Takes the samples of photographs in memory. Lights are distant; the mask is white inside.
@@ -147,7 +167,7 @@ impl Samples {
     /// # Errors
     /// [`Error::Invalid`] if the lights do not determine normals, sizes or depths differ, or the mask is empty.
     pub fn of(
-        photographs: &[Bitmap],
+        photographs: Vec<Bitmap>,
         lights: &[Light],
         mask: Option<&Bitmap>,
         transfer: Transfer,
@@ -168,11 +188,20 @@ impl Samples {
         let images = parallel::try_tasks(photographs.len(), &|i| {
             decoder.samples(format!("images[{i}]").as_ref(), &photographs[i], lights[i].intensity)
         })?;
-        let (positions, lights) =
-            (vec![None; lights.len()], lights.iter().map(|light| light.direction).collect());
         let Shape { width, height, bits } = shape;
-        let is_relit = false;
-        Ok(Self { width, height, pixels, images, lights, positions, bits, transfer, is_relit })
+        Ok(Self {
+            width,
+            height,
+            pixels,
+            images,
+            positions: vec![None; lights.len()],
+            bits,
+            transfer,
+            is_relit: false,
+            intensities: lights.iter().map(|light| light.intensity).collect(),
+            lights: lights.iter().map(|light| light.direction).collect(),
+            source: ColorSource::Bitmaps(photographs),
+        })
     }
 
     /// Returns the unit vector from a pixel of the mask towards a light.
@@ -182,8 +211,8 @@ impl Samples {
             None => self.lights[light],
             Some(position) => {
                 let i = self.pixels[pixel];
-                let place = [i % self.width, i / self.width].map(|v| v as usize);
-                near(position, place, [self.width as usize, self.height as usize]).direction
+                let pixel = [i % self.width, i / self.width].map(|v| v as usize);
+                near(position, place(pixel, [self.width as usize, self.height as usize])).direction
             }
         }
     }
@@ -259,7 +288,7 @@ fn estimated_bytes(photographs: usize, pixels: usize, shape: Shape) -> u64 {
 }
 
 pub(crate) fn mask_pixels(path: &Path, shape: Shape, limits: &Limits) -> Result<Vec<u32>> {
-    pixels_within(&read_bitmap_within(path, limits)?, shape, &path.display().to_string())
+    pixels_within(&read_photograph_within(path, limits)?, shape, &path.display().to_string())
 }
 
 /// Returns the pixels within a mask; `name` is that of the mask in errors.

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use taotie_engine::error::{Error, Result};
 use taotie_engine::math::Vec3;
 use taotie_engine::{Progress, Warnings};
-use taotie_io::{decode_text, quote, read_bitmap_within, read_bytes};
+use taotie_io::{decode_text, quote, read_bytes, read_photograph_within};
 
 /// Photographs of one object from one position, each under one light.
 #[derive(Debug, Clone)]
@@ -334,7 +334,7 @@ fn place_lamps(
         return Ok(());
     }
     let Some(first) = photographs.first() else { return Ok(()) };
-    let Shape { width, height, .. } = Shape::of(&read_bitmap_within(&first.path, &setup.limits)?);
+    let Shape { width, height, .. } = Shape::of(&read_photograph_within(&first.path, &setup.limits)?);
     let corner = 0.5 * pixel_size * f64::from(width).hypot(f64::from(height));
     if most < corner {
         let what = format!(

@@ -7,14 +7,12 @@ use crate::work::{self, Listed, Running};
 use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use serde::Deserialize;
 use std::path::PathBuf;
 use taotie_cli::PhotometricFiles;
-use taotie_engine::names::Named;
 use taotie_engine::{Error, Progress, Result, Warnings};
 use taotie_io::{FileSet, Limits};
 use taotie_photometric::{
-    Estimate, Estimator, Light, PhotographSet, Reading, Relief, Samples, Setup, Transfer, note_behind,
+    Estimate, Estimator, Light, PhotographSet, PhotometricOptions, Reading, Relief, Samples, note_behind,
     note_lengths,
 };
 
@@ -28,20 +26,12 @@ pub struct Photographs<'py> {
     mask: Option<Picture<'py>>,
 }
 
-/// The options.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Request {
-    encoding: String,
-    pixel_size: Option<f64>,
-}
-
 /// Normals of photographs, and everything that is known about them.
 #[pyclass(frozen, module = "taotie._taotie")]
 pub struct Normals {
     estimate: Estimate,
     relief: Relief,
-    pixel_size: f64,
+    options: PhotometricOptions,
     warnings: Warnings,
 }
 
@@ -59,9 +49,9 @@ pub fn photometric(
     request: Options,
     running: Running,
 ) -> PyResult<Normals> {
-    let request = request.read::<Request>()?;
+    let request = request.read::<PhotometricOptions>()?;
     let source = photographs.taken(py)?;
-    work::run(py, &running, move |progress| estimated(source, &request, progress))
+    work::run(py, &running, move |progress| estimated(source, request, progress))
 }
 
 impl Photographs<'_> {
@@ -89,15 +79,13 @@ impl Photographs<'_> {
     }
 }
 
-fn estimated(source: Source, request: &Request, progress: Progress<'_>) -> Result<Normals> {
+fn estimated(source: Source, options: PhotometricOptions, progress: Progress<'_>) -> Result<Normals> {
     let mut warnings = Warnings::default();
-    let transfer = Transfer::from_name(&request.encoding)?;
     let samples = match source {
         Source::Path(path, mask) => {
             let limits = Limits::default().or_free();
-            let setup = Setup { transfer, pixel_size: request.pixel_size, limits, ..Setup::default() };
-            let set = PhotographSet::open_with(&path, &setup, &mut warnings, progress)?;
-            let reading = Reading { mask: mask.as_deref(), transfer, flat: None, limits };
+            let set = PhotographSet::open_with(&path, &options.setup(limits), &mut warnings, progress)?;
+            let reading = Reading { mask: mask.as_deref(), ..options.reading(limits) };
             Samples::read(&set, &reading, progress.begin("read")?)?
         }
         Source::Images { images, lights, mask } => {
@@ -111,7 +99,7 @@ fn estimated(source: Source, request: &Request, progress: Progress<'_>) -> Resul
             note_behind(&lights, &mut warnings);
             let images = images.into_iter().map(Taken::bitmap).collect::<Result<Vec<_>>>()?;
             let mask = mask.map(Taken::bitmap).transpose()?;
-            Samples::of(&images, &lights, mask.as_ref(), transfer)?
+            Samples::of(images, &lights, mask.as_ref(), options.encoding)?
         }
     };
     samples.note(&mut warnings);
@@ -120,7 +108,7 @@ fn estimated(source: Source, request: &Request, progress: Progress<'_>) -> Resul
     warnings.note("a pixel has no normal: too little light, or too few samples that agree", without);
     estimate.note_doubts(&samples, &mut warnings);
     let relief = estimate.relief(progress.begin("depth")?)?;
-    Ok(Normals { estimate, relief, pixel_size: request.pixel_size.unwrap_or(1.0), warnings })
+    Ok(Normals { estimate, relief, options, warnings })
 }
 
 #[pymethods]
@@ -134,10 +122,11 @@ impl Normals {
     fn arrays<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let result = PyDict::new(py);
         result.set_item("normals", arrays::of_image(py, &self.estimate.normals(Estimator::Best), 3)?)?;
+        result.set_item("color", arrays::of_image(py, &self.estimate.albedos(), 3)?)?;
         let sigma = self.estimate.image(|_, best| [best.sigma_deg; 3]);
         let albedo = self.estimate.image(|_, best| [best.albedo; 3]);
         let residuals = self.estimate.image(|_, best| [best.residual; 3]);
-        let depth = self.relief.image(self.pixel_size);
+        let depth = self.relief.image(self.options.pixel_size.unwrap_or(1.0));
         for (name, image) in
             [("sigma", sigma), ("albedo", albedo), ("residuals", residuals), ("depth", depth)]
         {
@@ -158,7 +147,7 @@ impl Normals {
             files.claim_folder(&folder)?;
             let output = PhotometricFiles {
                 folder: &folder,
-                pixel_size: self.pixel_size,
+                options: &self.options,
                 files: &files,
                 estimate: &self.estimate,
                 relief: &self.relief,

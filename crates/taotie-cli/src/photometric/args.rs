@@ -5,6 +5,7 @@ use crate::running::{MemoryArgs, RunArgs};
 use anyhow::{Result, bail};
 use clap::Args;
 use std::path::{Path, PathBuf};
+use taotie_engine::length::Unit;
 use taotie_io::FileSet;
 use taotie_photometric::{Circle, PhotographSet, PhotometricOptions, RelightFormat, Transfer};
 
@@ -12,7 +13,7 @@ const EXAMPLES: &str = "\
 Examples:
   taotie photometric coin/dome.lp -o coin_normals
   taotie photometric relief -o relief_normals --mask mask.png --json
-  taotie photometric with_chrome_balls -o out --pixel-size 0.05
+  taotie photometric with_chrome_balls -o out --pixel-size 0.05 --unit mm
   taotie photometric with_chrome_balls -o out --ball 310.5,220,64 --grey-ball 900,215,60
   taotie photometric generated -o out --truth truth.normals.exr
   taotie photometric coin/dome.lp -o coin_web --relight openlime,ptm
@@ -60,6 +61,9 @@ pub struct PhotometricArgs {
     /// then near lamps
     #[arg(long, value_name = "X", value_parser = pixel_size)]
     pub pixel_size: Option<f64>,
+    /// The unit of --pixel-size: mm, cm, m, in. plane.glb and relief.glb are then in metres, as glTF requires
+    #[arg(long, value_name = "UNIT", value_parser = options::named::<Unit>, requires = "pixel_size")]
+    pub unit: Option<Unit>,
     /// True normals to compare with (PNG, EXR), in the same coordinates; of a picture that is a whole number of times
     /// larger, their means over each pixel
     #[arg(long, value_name = "FILE")]
@@ -76,7 +80,7 @@ pub struct PhotometricArgs {
     pub relight: Vec<RelightFormat>,
 
     /// A model of the object in the coordinates of the cameras: estimate its materials. FILE is then a transforms.json
-    #[arg(long, value_name = "MODEL", conflicts_with_all = ["mask", "balls", "grey_ball", "flat", "pixel_size", "truth", "scan", "pose", "relight"])]
+    #[arg(long, value_name = "MODEL", conflicts_with_all = ["mask", "balls", "grey_ball", "flat", "pixel_size", "unit", "truth", "scan", "pose", "relight"])]
     pub model: Option<PathBuf>,
     /// Texels along a side of the materials' maps [default: texels about as large as pixels]
     #[arg(long, value_name = "PIXELS", requires = "model", value_parser = clap::value_parser!(u32).range(1..=16384))]
@@ -135,6 +139,7 @@ impl PhotometricArgs {
             grey_ball: self.grey_ball,
             flat: self.flat.clone(),
             pixel_size: self.pixel_size,
+            unit: self.unit,
             relight: self.relight.clone(),
         }
     }

@@ -5,17 +5,18 @@ use taotie_engine::compare::ColorMap;
 use taotie_engine::film::Development;
 use taotie_engine::image::{Encoding, Image};
 use taotie_engine::math::srgb::srgb_from_linear;
+use taotie_engine::scene::Scene;
 use taotie_engine::{Result, Warnings};
 use taotie_io::{FileSet, ImageFormat, PngColor, PngImage, PngSamples};
-use taotie_photometric::{Estimate, Estimator, Relief};
+use taotie_photometric::{Estimate, Estimator, PhotometricOptions, Relief};
 use taotie_report::heat_map::HeatMap;
 
 /// Writes the files of an estimate, without its reports.
 pub struct Output<'a> {
     /// The folder.
     pub folder: &'a Path,
-    /// The side of a pixel, which is the unit of depth.
-    pub pixel_size: f64,
+    /// The side of a pixel and its unit, if they are known.
+    pub options: &'a PhotometricOptions,
     /// The set that the files belong to.
     pub files: &'a FileSet,
     /// Normals, uncertainty and albedo.
@@ -39,22 +40,28 @@ impl Output<'_> {
         self.write_floats("sigma.exr", &sigma)?;
         self.write_sigma()?;
         self.write_floats("residual.exr", &self.estimate.image(|_, best| [best.residual; 3]))?;
-        self.write_grey("albedo.png", &albedo_codes(self.estimate), Encoding::Srgb)?;
-        self.write_grey("base_color.png", &self.estimate.base_color_codes(), Encoding::Srgb)?;
+        self.write_color("albedo.png", &albedo_codes(self.estimate))?;
+        self.write_color("base_color.png", &self.estimate.base_color_codes())?;
         self.write_grey("roughness.png", &self.estimate.roughness_codes(), Encoding::Linear)?;
         let mut warnings = Warnings::default();
-        let plane = taotie_io::encode_scene(&self.estimate.plane()?, &["plane".to_owned()], &mut warnings)?;
+        let plane = taotie_io::encode_scene(&self.plane()?, &["plane".to_owned()], &mut warnings)?;
         self.files.write_bytes(&self.folder.join("plane.glb"), &plane)?;
-        self.write_floats("depth.exr", &self.relief.image(self.pixel_size))?;
-        let surface = self.estimate.surface(self.relief, self.pixel_size)?;
+        self.write_floats("depth.exr", &self.relief.image(self.options.pixel_size.unwrap_or(1.0)))?;
+        let surface = self.estimate.surface(self.relief, self.options.side_in_models())?;
         warnings.note(
             "no four neighbouring pixels have a normal: relief.glb holds the flat rectangle",
             usize::from(surface.is_none()),
         );
-        let surface = surface.map_or_else(|| self.estimate.plane(), Ok)?;
+        let surface = surface.map_or_else(|| self.plane(), Ok)?;
         let relief = taotie_io::encode_scene(&surface, &["relief".to_owned()], &mut warnings)?;
         self.files.write_bytes(&self.folder.join("relief.glb"), &relief)?;
         Ok(warnings)
+    }
+
+    /// Returns the rectangle in its size, if that is known in metres; otherwise its longer side is 1.
+    fn plane(&self) -> Result<Scene> {
+        let pixels = f64::from(self.estimate.width().max(self.estimate.height()));
+        self.estimate.plane(self.options.unit.map_or(1.0, |_| pixels * self.options.side_in_models()))
     }
 
     fn write_normals(&self) -> Result<()> {
@@ -79,6 +86,18 @@ impl Output<'_> {
         self.files.write_image(&path, image, &Development::default(), ImageFormat::Exr)
     }
 
+    /// Writes colours in sRGB, as grey if the photographs are.
+    fn write_color(&self, name: &str, codes: &[[u8; 3]]) -> Result<()> {
+        if !self.estimate.has_color() {
+            let codes: Vec<u8> = codes.iter().map(|[code, ..]| *code).collect();
+            return self.write_grey(name, &codes, Encoding::Srgb);
+        }
+        let (width, height) = (self.estimate.width(), self.estimate.height());
+        let samples = PngSamples::U8(codes.as_flattened());
+        let image = PngImage { width, height, color: PngColor::Rgb, samples, encoding: Encoding::Srgb };
+        self.files.write_png(&self.folder.join(name), &image)
+    }
+
     fn write_grey(&self, name: &str, codes: &[u8], encoding: Encoding) -> Result<()> {
         let (width, height) = (self.estimate.width(), self.estimate.height());
         let samples = PngSamples::U8(codes);
@@ -97,17 +116,19 @@ impl Output<'_> {
     }
 }
 
-/// Returns the 99th percentile of the albedo, which is displayed as white.
+/// Returns the 99th percentile of the albedo in its brightest channel, which is displayed as white.
 pub fn white(estimate: &Estimate) -> f64 {
-    let mut sorted: Vec<f64> = estimate.best.iter().flatten().map(|best| best.albedo).collect();
+    let albedos = estimate.albedos();
+    let brightest = |pixel: &[f32; 4]| f64::from(pixel[0].max(pixel[1]).max(pixel[2]));
+    let with_normal = albedos.pixels().iter().filter(|pixel| pixel[3] > 0.0);
+    let mut sorted: Vec<f64> = with_normal.map(brightest).collect();
     sorted.sort_unstable_by(f64::total_cmp);
     sorted.get(sorted.len() * 99 / 100).copied().unwrap_or(1.0).max(f64::MIN_POSITIVE)
 }
 
-/// Returns the albedo in sRGB, relative to the 99th percentile.
-pub fn albedo_codes(estimate: &Estimate) -> Vec<u8> {
+/// Returns the albedo in sRGB, relative to white.
+pub fn albedo_codes(estimate: &Estimate) -> Vec<[u8; 3]> {
     let white = white(estimate);
-    let code = |v: f32| (srgb_from_linear(f64::from(v).clamp(0.0, 1.0)) * 255.0 + 0.5) as u8;
-    let albedo = estimate.image(|_, best| [best.albedo / white; 3]);
-    albedo.pixels().iter().map(|pixel| code(pixel[0])).collect()
+    let code = |v: f32| (srgb_from_linear((f64::from(v) / white).clamp(0.0, 1.0)) * 255.0 + 0.5) as u8;
+    estimate.albedos().pixels().iter().map(|pixel| [pixel[0], pixel[1], pixel[2]].map(code)).collect()
 }

@@ -140,13 +140,7 @@ fn make(order: &Order<'_>, warnings: &mut Warnings) -> Result<Report> {
     let anchor = |scan: &Scan| scan.anchor(&mut relief, (&order.path(ANCHORED), files), warnings);
     let anchoring = order.scan.as_ref().map(anchor).transpose()?;
     progress.begin("write")?;
-    let output = Output {
-        folder: order.output,
-        pixel_size: options.pixel_size.unwrap_or(1.0),
-        files,
-        estimate: &estimate,
-        relief: &relief,
-    };
+    let output = Output { folder: order.output, options, files, estimate: &estimate, relief: &relief };
     warnings.absorb(output.write()?);
     let relightable = Relighting { order, reading: &reading }.write(&estimate)?;
     let mut report = Report::new(order, &samples, &estimate);

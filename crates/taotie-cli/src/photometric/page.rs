@@ -39,7 +39,7 @@ pub struct PhotometricPage<'a> {
     /// The normals.
     pub estimate: &'a Estimate,
     /// The albedo in sRGB, relative to white.
-    pub albedo: &'a [u8],
+    pub albedo: &'a [[u8; 3]],
     /// True normals at the size of the photographs.
     pub truth: Option<&'a Image>,
 }
@@ -160,7 +160,7 @@ impl PhotometricPage<'_> {
                     not reflect as a matt one would.";
         views.push(heat_view(("residuals", note), "%", &[("residual", residual)])?);
         let [width, height] = self.report.size.map(|side| side as usize);
-        let pixels = self.albedo.iter().map(|code| [*code; 3]).collect();
+        let pixels = self.albedo.to_vec();
         views.push(View {
             name: "albedo".into(),
             note: "Brightness without shading, relative to the 99th percentile.".into(),

@@ -28,6 +28,9 @@ pub struct RelightReport {
     pub terms: usize,
     /// The size of all its files.
     pub bytes: u64,
+    /// How much brighter it is than the photographs: those of 8 bits keep their brightness, and others are shown with the 99th
+    /// percentile of the albedo as white.
+    pub exposure: f64,
     /// Peak signal-to-noise ratio of the stored image, relit by the lights of all photographs, decibels.
     pub psnr: f64,
     /// That of the worst photograph.
@@ -105,6 +108,7 @@ impl Relighting<'_> {
                 file: file_of(*format),
                 terms: basis.terms(),
                 bytes: written.iter().map(|file| file.bytes.len() as u64).sum(),
+                exposure: photographs.exposure(),
                 psnr: quality.psnr,
                 worst_psnr: worst.map_or(f64::NAN, |(_, psnr)| *psnr),
                 worst: worst.map_or(String::new(), |(k, _)| name_of(&set.photographs[k].path)),

@@ -9,6 +9,7 @@ use std::fmt::Write;
 use taotie::Warning;
 use taotie::asset::StageTime;
 use taotie_engine::compare::{Summary, angular_error};
+use taotie_engine::length::Unit;
 use taotie_engine::math::Vec3;
 use taotie_engine::names::Named;
 use taotie_photometric::{Anchoring, Coverage, Estimate, Estimator, Outline, RegionFinish, Samples};
@@ -43,6 +44,8 @@ pub struct Report {
     pub exponent: Option<f64>,
     /// The side of a pixel, which is the unit of depth; `None` if depth is in pixels.
     pub pixel_size: Option<f64>,
+    /// The unit of `pixel_size`; models are then in metres.
+    pub unit: Option<Unit>,
     /// The mask that was used.
     pub mask: Option<String>,
     /// Pixels across and down.
@@ -151,6 +154,7 @@ impl Report {
             ball_residual: set.chrome.as_ref().and_then(|chrome| chrome.residual_deg),
             exponent: estimate.exponent,
             pixel_size: options.pixel_size,
+            unit: options.unit,
             mask: set.mask_or(options.mask.as_deref()).map(|path| order.shown(path)),
             size: [samples.width, samples.height],
             bits: samples.bits,
@@ -207,6 +211,9 @@ impl Report {
                 "lamps      balls agree to {residual:.2}°; {near} of {} lamps are near",
                 self.photographs.len()
             );
+        }
+        if self.balls.len() == 1 {
+            let _ = writeln!(text, "lamps      distant: one ball does not show how far away they are");
         }
         if let Some(exponent) = self.exponent {
             let _ = writeln!(text, "linearity  brightness grows like the power {exponent:.2} of the light");
@@ -275,10 +282,14 @@ impl Report {
                 );
             }
         }
-        for RelightReport { file, terms, bytes, psnr, worst_psnr, worst } in &self.relight {
+        for RelightReport { file, terms, bytes, exposure, psnr, worst_psnr, worst } in &self.relight {
+            let exposed = match (exposure - 1.0).abs() < 0.005 {
+                true => String::new(),
+                false => format!(", {exposure:.2} times as bright as the photographs"),
+            };
             let _ = writeln!(
                 text,
-                "relight    {file}: {terms} terms, {:.1} MB, {psnr:.1} dB; worst {worst} ({worst_psnr:.1} dB)",
+                "relight    {file}: {terms} terms, {:.1} MB{exposed}, {psnr:.1} dB; worst {worst} ({worst_psnr:.1} dB)",
                 *bytes as f64 / 1e6
             );
         }

@@ -4,7 +4,8 @@ use super::super::reading::Reading;
 use super::limits::{
     Failure, KEPT_OF_8_BITS, MAX_TEXELS, MAX_TEXELS_OF_PLAIN, TexelRoom, check_room, check_size, credible,
 };
-use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader};
+use image::metadata::Orientation;
+use image::{DynamicImage, ImageBuffer, ImageDecoder, ImageError, ImageFormat, ImageReader};
 use png::{BitDepth, ColorType, Decoder, DecodingError, Transformations};
 use std::borrow::Cow;
 use std::io::Cursor;
@@ -105,6 +106,41 @@ fn jpeg_without_metadata(bytes: &[u8]) -> Option<Vec<u8>> {
 fn entropy_coded(bytes: &[u8]) -> Option<&[u8]> {
     let is_marker = |pair: &[u8]| pair[0] == 0xff && !matches!(pair[1], 0 | 0xd0..=0xd7 | 0xff);
     bytes.get(..bytes.windows(2).position(is_marker)?)
+}
+
+/// Returns an image turned as its file's metadata state (EXIF), for photographs: textures are never turned.
+pub(super) fn upright(bitmap: Bitmap, bytes: &[u8]) -> Bitmap {
+    let stated = || {
+        let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().ok()?;
+        reader.no_limits();
+        reader.into_decoder().ok()?.orientation().ok()
+    };
+    match stated() {
+        None | Some(Orientation::NoTransforms) => bitmap,
+        Some(orientation) => turned(&bitmap, orientation).unwrap_or(bitmap),
+    }
+}
+
+fn turned(bitmap: &Bitmap, orientation: Orientation) -> Option<Bitmap> {
+    let (width, height) = (bitmap.width(), bitmap.height());
+    let mut picture = match bitmap.texels() {
+        Texels::U8(texels) => {
+            ImageBuffer::from_raw(width, height, texels.as_flattened().to_vec()).map(DynamicImage::ImageRgba8)
+        }
+        Texels::U16(texels) => ImageBuffer::from_raw(width, height, texels.as_flattened().to_vec())
+            .map(DynamicImage::ImageRgba16),
+        Texels::F32(texels) => ImageBuffer::from_raw(width, height, texels.as_flattened().to_vec())
+            .map(DynamicImage::ImageRgba32F),
+    }?;
+    picture.apply_orientation(orientation);
+    let (width, height) = (picture.width(), picture.height());
+    let texels = match &picture {
+        DynamicImage::ImageRgba8(p) => Texels::U8(p.as_chunks().0.to_vec()),
+        DynamicImage::ImageRgba16(p) => Texels::U16(p.as_chunks().0.to_vec()),
+        DynamicImage::ImageRgba32F(p) => Texels::F32(p.as_chunks().0.to_vec()),
+        _ => return None,
+    };
+    Bitmap::new(width, height, bitmap.channels(), texels).ok()
 }
 
 fn failure(error: ImageError) -> Failure {

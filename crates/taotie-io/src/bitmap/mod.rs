@@ -42,6 +42,19 @@ pub fn read_bitmap_within(path: &Path, limits: &Limits) -> Result<Bitmap> {
     decoded
 }
 
+/// Reads a photograph as [`read_bitmap_within`], turned as its metadata state (EXIF), as viewers show it.
+///
+/// # Errors
+/// As [`read_bitmap_within`].
+pub fn read_photograph_within(path: &Path, limits: &Limits) -> Result<Bitmap> {
+    let reading = Reading::new(path, limits);
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let bytes = reading.read_own(path)?;
+    let decoded = decode_within(&bytes, &name, path, &reading);
+    reading.check()?;
+    decoded.map(|bitmap| decode::upright(bitmap, &bytes))
+}
+
 /// Reads an image that a model refers to, as part of reading the model.
 pub(super) fn read_map(path: &Path, reading: &Reading) -> Result<Bitmap> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();

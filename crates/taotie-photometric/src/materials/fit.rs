@@ -1,9 +1,9 @@
 //! The pixel program fitted to the samples of one texel: Gauss-Newton with Levenberg's damping.
 
+use super::layout::Texel;
 use super::linear::{inverse, squared, times};
 use super::reflection::{BOUNDS, Reflection, VARIABLES, Values};
 use super::sight::Incident;
-use super::texel::Texel;
 use crate::uncertainty::tangents;
 use taotie_engine::math::{Lane, Vec3};
 

@@ -15,14 +15,12 @@ mod model;
 mod neighbourhood;
 mod reflection;
 mod sight;
-mod texel;
 mod transforms;
 
 pub use estimate::{MaterialEstimate, MaterialsEstimate, MaterialsInput, PhotographResiduals, TexelEstimate};
 pub use frame::{Frame, Lamp, LampPlace, Lens, Pose};
-pub use layout::Layout;
+pub use layout::{Layout, Texel};
 pub(crate) use linear::{inverse, times};
 pub use maps::MaterialMaps;
 pub use model::Model;
-pub use texel::Texel;
 pub use transforms::Transforms;

@@ -1,5 +1,6 @@
 //! Photographs in colour, as they are displayed.
 
+use crate::light::place;
 use crate::photograph::{Decoder, Shape, flattening};
 use crate::samples::{Reading, flats};
 use crate::set::PhotographSet;
@@ -8,7 +9,7 @@ use taotie_engine::error::Result;
 use taotie_engine::math::Vec3;
 use taotie_engine::math::srgb::srgb_from_linear;
 use taotie_engine::{Progress, parallel};
-use taotie_io::{Limits, read_bitmap_within};
+use taotie_io::{Limits, read_photograph_within};
 
 /// Photographs that are decoded at the same time.
 pub const BATCH: usize = 4;
@@ -41,7 +42,7 @@ impl<'a> ColorReader<'a> {
     /// Those of reading the first photograph.
     pub fn new(set: &'a PhotographSet, reading: &Reading<'a>, white: f64) -> Result<Self> {
         let first = &set.photographs[0].path;
-        let shape = Shape::of(&read_bitmap_within(first, &reading.limits)?);
+        let shape = Shape::of(&read_photograph_within(first, &reading.limits)?);
         let encode = |step: usize| srgb_from_linear(step as f64 / (STEPS - 1) as f64) as f32;
         Ok(Self {
             set,
@@ -53,6 +54,11 @@ impl<'a> ColorReader<'a> {
             encoded: parallel::collect(STEPS, encode),
             white: if shape.bits == 8 { 1.0 } else { white.max(f64::MIN_POSITIVE) },
         })
+    }
+
+    /// How much brighter the colours are than the photographs: 1 for photographs of 8 bits.
+    pub fn exposure(&self) -> f64 {
+        1.0 / self.white
     }
 
     /// Width and height of the photographs.
@@ -87,7 +93,7 @@ impl<'a> ColorReader<'a> {
     /// Returns the colours of a photograph.
     fn colors(&self, k: usize) -> Result<Vec<[f32; 3]>> {
         let photograph = &self.set.photographs[k];
-        let bitmap = read_bitmap_within(&photograph.path, &self.reading.limits)?;
+        let bitmap = read_photograph_within(&photograph.path, &self.reading.limits)?;
         let factors = self.factors(k)?;
         let mut colors = self.decoder().colors(&photograph.path, &bitmap, photograph.light.intensity)?;
         let last = (STEPS - 1) as f64;
@@ -108,9 +114,9 @@ impl<'a> ColorReader<'a> {
     fn factors(&self, k: usize) -> Result<Vec<f64>> {
         let light = &self.set.photographs[k].light;
         let size = [self.shape.width, self.shape.height].map(|side| side as usize);
-        let lit = |i: usize| light.at([i % size[0], i / size[0]], size);
+        let lit = |i: usize| light.at(place([i % size[0], i / size[0]], size));
         if let Some(path) = self.flats.as_ref().map(|flats| &flats[k]) {
-            let bitmap = read_bitmap_within(path, &self.reading.limits)?;
+            let bitmap = read_photograph_within(path, &self.reading.limits)?;
             let board = self.decoder().samples(path, &bitmap, light.intensity)?;
             return Ok(parallel::collect(board.len(), |i| flattening(board[i], lit(i).direction.z)));
         }

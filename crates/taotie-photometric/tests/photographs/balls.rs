@@ -64,9 +64,14 @@ fn radiance(x: f64, y: f64, (lamp, chrome, grey): (&Lamp, &[Circle], bool)) -> f
             return if mirrored.dot(l) > 0.9975 { 0.9 * brightness } else { 0.02 + 0.02 * mirrored.y.abs() };
         }
     }
-    let normal = on_ball(&GREY_BALL, x, y).filter(|_| grey).unwrap_or_else(|| surface(x, y));
-    let (l, brightness) = lamp.seen_from(place);
-    0.55 * brightness * normal.dot(l).max(0.0)
+    let matt = |n: Vec3<f64>, height: f64| {
+        let (l, brightness) = lamp.seen_from(place + Vec3::new(0.0, 0.0, height));
+        0.55 * brightness * n.dot(l).max(0.0)
+    };
+    match on_ball(&GREY_BALL, x, y).filter(|_| grey) {
+        Some(n) => matt(n, GREY_BALL.radius * (1.0 + n.z)),
+        None => matt(surface(x, y), 0.0),
+    }
 }
 
 fn draw(folder: &Path, lamps: &[Lamp], chrome: &[Circle], grey: bool) {
@@ -186,9 +191,17 @@ fn positions_in_an_lp_file_are_near_lamps_if_the_pixel_size_is_known() {
     };
     let lp: String = lamps.iter().enumerate().map(line).collect();
     write_text(&folder.path().join("dome.lp"), &format!("16\n{lp}")).unwrap();
-    let known = open(folder.path(), &Setup { pixel_size: Some(0.25), ..Setup::default() });
+    let setup = Setup { pixel_size: Some(0.25), ..Setup::default() };
+    let known = open(folder.path(), &setup);
     let (near, distant) = (error(&known, None), error(&open(folder.path(), &Setup::default()), None));
     assert!(near < 0.4 && near < 0.3 * distant, "{near} {distant}");
+    // A grey ball shows the same brightness, though it is closer to the lamps than the plane.
+    draw(folder.path(), &lamps, &[], true);
+    let measured = open(folder.path(), &Setup { grey_ball: Some(GREY_BALL), ..setup });
+    for (one, other) in measured.lights().iter().zip(known.lights()) {
+        let ratio = one.intensity[0] / other.intensity[0];
+        assert!((ratio - 1.0).abs() < 0.01, "{ratio}");
+    }
 }
 
 #[test]

@@ -2,8 +2,10 @@
 
 use crate::studio::{Finish, Photographs, Shooting, photograph, relief};
 use std::path::Path;
+use taotie_engine::image::{Bitmap, Texels};
+use taotie_engine::math::{Vec3, scalar};
 use taotie_engine::{Progress, Warnings};
-use taotie_photometric::{Estimate, Estimator, PhotographSet, Reading, Samples, Transfer};
+use taotie_photometric::{Estimate, Estimator, Light, PhotographSet, Reading, Samples, Transfer};
 
 fn estimate(lp: &Path, transfer: Transfer) -> (Estimate, String) {
     let mut warnings = Warnings::default();
@@ -79,4 +81,38 @@ fn few_photographs_of_a_highlight_keep_the_robust_normals() {
             assert_eq!(found.normals(Estimator::Best).pixels(), found.normals(Estimator::Robust).pixels());
         }
     }
+}
+
+#[test]
+fn a_list_that_is_off_by_one_is_noticed() {
+    // Rows of lamps: between the last of one row and the first of the next, the light jumps.
+    let lights: Vec<Light> = [70.0, 45.0, 20.0]
+        .iter()
+        .flat_map(|elevation: &f64| (0..8).map(move |k| [elevation.to_radians(), 0.6 * f64::from(k)]))
+        .map(|[e, a]| [scalar::cos(a) * scalar::cos(e), scalar::sin(a) * scalar::cos(e), scalar::sin(e)])
+        .map(|vector| Light::towards(vector).unwrap())
+        .collect();
+    let side = 48_u32;
+    let photograph = |light: &Light| {
+        let texel = |i: u32| {
+            let [x, y] = [i % side, i / side].map(|v| f64::from(v) / 5.0);
+            let n = Vec3::new(0.5 * scalar::sin(x), 0.5 * scalar::sin(y), 1.0);
+            let cosine = n.normalize_or(n).dot(light.direction).max(0.0);
+            [(cosine * 40_000.0) as u16, 0, 0, 0]
+        };
+        let texels = (0..side * side).map(texel).map(|[v, ..]| [v, v, v, u16::MAX]);
+        Bitmap::new(side, side, 1, Texels::U16(texels.collect())).unwrap()
+    };
+    let photographs: Vec<Bitmap> = lights.iter().map(photograph).collect();
+    let words = |lights: &[Light]| {
+        let samples = Samples::of(photographs.clone(), lights, None, Transfer::Auto).unwrap();
+        let estimate = Estimate::of(&samples, Progress::SILENT).unwrap();
+        let mut warnings = Warnings::default();
+        estimate.note_doubts(&samples, &mut warnings);
+        warnings.list().into_iter().map(|warning| warning.what).collect::<Vec<_>>().join("\n")
+    };
+    assert_eq!(words(&lights), "");
+    let moved = |by: usize| -> Vec<Light> { (0..24).map(|k| lights[(k + by) % 24]).collect() };
+    assert!(words(&moved(23)).contains("each has the light after its own"), "{}", words(&moved(23)));
+    assert!(words(&moved(1)).contains("each has the light before its own"), "{}", words(&moved(1)));
 }

@@ -388,7 +388,7 @@ fn the_smallest_and_oddest_sets_do_not_panic() {
                         "{side} {count} {kind}: {best:?}"
                     );
                 }
-                estimate.plane().unwrap();
+                estimate.plane(1.0).unwrap();
             }
         }
     }

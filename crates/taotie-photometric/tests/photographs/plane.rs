@@ -16,7 +16,7 @@ fn the_glb_shows_the_estimated_normals() {
     let estimate = estimate(&photograph(relief(0.6), &Finish::matt(0.5), shooting));
     let mut warnings = Warnings::default();
     let glb =
-        taotie_io::encode_scene(&estimate.plane().unwrap(), &["plane".to_owned()], &mut warnings).unwrap();
+        taotie_io::encode_scene(&estimate.plane(1.0).unwrap(), &["plane".to_owned()], &mut warnings).unwrap();
     assert!(warnings.is_empty(), "{:?}", warnings.list());
     let scene = taotie_io::load_glb(glb, &Limits::default()).unwrap().scene;
     let orbit = Orbit { azimuth: 0.0, elevation: 0.0, distance: 5.0, target: Vec3::splat(0.0), fov_y: 0.5 };
