@@ -81,6 +81,7 @@ pub fn as_floats(json: &Value) -> Value {
 }
 
 /// Asserts that a file has the same members as another to the last digit, such as its nodes and skins.
+#[allow(dead_code, reason = "each test uses a part")]
 pub fn assert_same(a: &Glb, b: &Glb, members: &[&str]) {
     for name in members {
         assert_eq!(as_floats(&a.json[name]), as_floats(&b.json[name]), "{name}");

@@ -52,6 +52,14 @@ impl TexturedMesh {
         Self { mesh, appearance: self.appearance.clone() }
     }
 
+    /// Returns true if a material is blended with what is behind it.
+    pub fn is_blended(&self) -> bool {
+        self.appearance
+            .parts
+            .iter()
+            .any(|part| self.appearance.materials[part.material].alpha == AlphaMode::Blend)
+    }
+
     /// Returns the material of a triangle.
     ///
     /// # Panics

@@ -1,6 +1,6 @@
 //! Points spread over the visible part of a surface, each compared with the other surface in its place.
 
-use super::{Difference, Look, NOTHING_DEG, Pair, Sample, Side, view_ray};
+use super::{Difference, Look, NOTHING_DEG, Pair, Properties, Sample, Side, view_ray};
 use crate::bake::{LookupPoint, Scan, SightLine};
 use crate::error::Result;
 use crate::math::{Vec3, scalar};
@@ -115,7 +115,7 @@ impl<'a> Viewer<'a> {
         let pixel = self.footprint.pixel(width);
         let look = |surface: &Scan, point: Point| {
             let sample = Sample { at: LookupPoint { point, width: pixel }, toward: line.toward };
-            Look::of(surface, [sample], self.pair.has_material)
+            Look::of(surface, [sample], self.pair.properties)
         };
         let texel =
             on_asset.and_then(|at| self.pair.asset.surface.surface().texel_size(at)).unwrap_or(f32::NAN);
@@ -143,16 +143,17 @@ impl<'a> Viewer<'a> {
         if let Some(hit) = hit {
             let (seen, shown) = (look(own, point), look(other, hit.point()));
             let [of_scan, of_asset] = if self.is_of_scan { [seen, shown] } else { [shown, seen] };
-            let found = Difference::between(&of_scan, &of_asset, self.pair.has_material);
+            let found = Difference::between(&of_scan, &of_asset, self.pair.properties);
             let Difference { angle_deg, color, emission, material, is_hidden } = found;
             let looks = [&of_scan, &of_asset];
+            let has_color = self.pair.properties == Properties::All;
             sample = SurfaceSample {
                 angle_deg,
                 color,
                 emission,
                 material,
                 normals: looks.map(Look::unit_normal),
-                labs: looks.map(Look::lab),
+                labs: if has_color { looks.map(Look::lab) } else { sample.labs },
                 is_missing: is_hidden,
                 ..sample
             };

@@ -50,8 +50,30 @@ pub struct Pair<'a> {
     pub asset: &'a Side<'a>,
     /// The scan's diagonal, in model units.
     pub diagonal: f32,
-    /// `true` if colours are compared: the scan specifies colours or materials, and the asset's files contain any.
-    pub has_material: bool,
+    /// What is compared in addition to normals.
+    pub properties: Properties,
+}
+
+/// The properties of surfaces that are compared in addition to normals.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Properties {
+    /// None: the scan specifies no colours or materials, or the asset's files contain none.
+    None,
+    /// Opacity: the scan is as plain, and the asset may let it show through.
+    Opacity,
+    /// Colours and materials.
+    All,
+}
+
+impl Properties {
+    /// Returns what to compare with a scan that specifies colours or materials, or not.
+    pub fn of(has_material: bool, asset: &Scan) -> Self {
+        match has_material {
+            true => Self::All,
+            false if asset.surface().is_blended() => Self::Opacity,
+            false => Self::None,
+        }
+    }
 }
 
 /// One pixel's view of a surface: sums over its samples.
@@ -94,6 +116,9 @@ const NOTHING_DEG: f32 = 90.0;
 /// The difference from black above which light is noticeable, CIEDE2000.
 const NOTICEABLE: f64 = 1.0;
 
+/// The difference between transparent and opaque: that between black and white.
+const TRANSPARENT: f64 = 100.0;
+
 /// A point of a surface as seen by a viewer.
 #[derive(Debug, Clone, Copy)]
 struct Sample {
@@ -126,18 +151,18 @@ impl<'a> Side<'a> {
 
 impl Look {
     /// Returns the look of a pixel at a surface.
-    pub fn of(surface: &Scan, samples: impl IntoIterator<Item = Sample>, reads_material: bool) -> Self {
+    pub fn of(surface: &Scan, samples: impl IntoIterator<Item = Sample>, properties: Properties) -> Self {
         let mut look = Self::default();
-        samples.into_iter().for_each(|sample| look.add(surface, sample, reads_material));
+        samples.into_iter().for_each(|sample| look.add(surface, sample, properties));
         look
     }
 
     /// Adds a point of a surface.
-    fn add(&mut self, surface: &Scan, sample: Sample, reads_material: bool) {
+    fn add(&mut self, surface: &Scan, sample: Sample, properties: Properties) {
         let Sample { at, toward } = sample;
         self.normal += surface.seen_normal(at, toward);
         let shown = surface.surface().material(at.point.triangle);
-        if reads_material {
+        if properties != Properties::None {
             let material = surface.seen_material(at);
             self.color += material.color;
             self.emission += material.emission;
@@ -176,7 +201,7 @@ impl Look {
 
 impl Difference {
     /// Compares the looks of a scan and an asset.
-    pub fn between(scan: &Look, asset: &Look, has_material: bool) -> Self {
+    pub fn between(scan: &Look, asset: &Look, properties: Properties) -> Self {
         let nothing = Self {
             angle_deg: f32::NAN,
             color: f32::NAN,
@@ -190,8 +215,13 @@ impl Difference {
         let is_hidden = asset.is_unlit() && !scan.is_unlit();
         let angle = || angle_deg(scan.normal.to_f64(), asset.normal.to_f64()) as f32;
         let normals = Self { angle_deg: if is_hidden { NOTHING_DEG } else { angle() }, is_hidden, ..nothing };
-        if !has_material {
-            return normals;
+        match properties {
+            Properties::None => return normals,
+            Properties::Opacity => {
+                let opacity = (scan.shade().opacity - asset.shade().opacity).abs();
+                return Self { color: opacity * TRANSPARENT as f32, ..normals };
+            }
+            Properties::All => (),
         }
         let off =
             |of: fn(&Look) -> f32| (of(scan) / scan.samples as f32 - of(asset) / asset.samples as f32).abs();
@@ -221,8 +251,6 @@ struct Shade {
 impl Shade {
     /// Returns the colour difference, as in [`Difference::color`].
     fn difference(self, other: Self) -> f64 {
-        /// The difference between transparent and opaque: that between black and white.
-        const TRANSPARENT: f64 = 100.0;
         let opacity = f64::from((self.opacity - other.opacity).abs()) * TRANSPARENT;
         let light = light_difference(self.light, other.light);
         larger(larger(color_difference(self.color, other.color), light), opacity)

@@ -3,7 +3,7 @@
 
 use super::close_up::OUTLINE;
 use super::statistics::Estimate;
-use super::{Difference, Look, NOTICEABLE, Pair, Sample, Shade, Side};
+use super::{Difference, Look, NOTICEABLE, Pair, Properties, Sample, Shade, Side};
 use crate::bake::{LookupPoint, Retextured, sphere_directions};
 use crate::compare::angle_deg;
 use crate::error::Result;
@@ -40,7 +40,8 @@ pub struct Overview {
     pub material: Option<Estimate>,
     /// Number of pixels compared.
     pub pixels: usize,
-    /// Pixels across the object: 512, or fewer for a level of detail that is only shown at that size.
+    /// Pixels across the object: 512, or fewer for a level of detail that is only shown at that size; 4,096 or 32,768 if so
+    /// thin an object, such as wires, fills hardly any pixel otherwise.
     pub across: f32,
 }
 
@@ -69,7 +70,17 @@ impl Picture {
     /// Returns the picture of an object that is fewer pixels across, with about as many samples as `whole` pixels of
     /// the whole have.
     pub fn of(across: f32, whole: usize) -> Self {
-        Self { across, count: (whole as f32 * across / SIDE as f32).ceil() as usize }
+        Self { across, count: (whole as f32 * (across / SIDE as f32).min(1.0)).ceil() as usize }
+    }
+
+    /// Returns the picture from closer, if so few of its pixels show a surface throughout that it is an object of thin parts.
+    fn closer(self, filled: usize) -> Option<Self> {
+        /// The share of the pixels that must be filled.
+        const LEAST: f64 = 1e-3;
+        /// The most pixels across an object.
+        const MOST: f32 = 32_768.0;
+        let closer = Self { across: self.across * 8.0, ..self };
+        (closer.across <= MOST && (filled as f64) < LEAST * self.count as f64).then_some(closer)
     }
 
     /// Returns the number of samples along each side of a pixel.
@@ -85,13 +96,13 @@ impl Picture {
 /// # Errors
 /// As [`Estimate::of`].
 pub fn overview(pair: &Pair<'_>, picture: Picture) -> Result<Overview> {
-    let PixelDifferences { angles, colors, materials, .. } = pixel_differences(pair, picture);
+    let PixelDifferences { angles, colors, materials, across, .. } = pixel_differences(pair, picture);
     Ok(Overview {
         angles: Estimate::of(&angles)?,
         color: Estimate::of(&colors)?,
         material: Estimate::of(&materials)?,
         pixels: angles.len(),
-        across: picture.across,
+        across,
     })
 }
 
@@ -106,6 +117,8 @@ pub struct PixelDifferences {
     pub materials: Vec<f32>,
     /// The share of the pixels with the scan in which nothing of the asset is seen or near, [0, 1].
     pub missing: f64,
+    /// Pixels across the object: more than in the picture asked for if it is thin.
+    pub across: f32,
 }
 
 impl PixelDifferences {
@@ -125,6 +138,9 @@ pub fn pixel_differences(pair: &Pair<'_>, picture: Picture) -> PixelDifferences 
     let found: Vec<Compared> = parallel::collect(picture.count, probe);
     let missing = found.iter().filter(|pixel| matches!(pixel, Compared::Missing)).count();
     let both: Vec<Difference> = found.into_iter().filter_map(Compared::difference).collect();
+    if let Some(closer) = picture.closer(missing + both.len()) {
+        return pixel_differences(pair, closer);
+    }
     let all = |of: fn(&Difference) -> f32| both.iter().map(of).filter(|v| !v.is_nan()).collect();
     let missing = missing as f64 / (missing + both.len()).max(1) as f64;
     PixelDifferences {
@@ -132,6 +148,7 @@ pub fn pixel_differences(pair: &Pair<'_>, picture: Picture) -> PixelDifferences 
         colors: all(|one| one.color),
         materials: all(|one| one.material),
         missing,
+        across: picture.across,
     }
 }
 
@@ -155,9 +172,14 @@ impl Compared {
 /// Returns the samples of those random pixels that see a surface throughout, away from outlines.
 fn overview_samples(side: &Side<'_>, picture: Picture) -> Vec<Vec<Sample>> {
     let diagonal = side.surface.mesh().diagonal() as f32;
-    let pair = Pair { scan: side, asset: side, diagonal, has_material: false };
+    let pair = Pair { scan: side, asset: side, diagonal, properties: Properties::None };
     let pixels = Pixels::of(&pair, picture);
-    parallel::collect(picture.count, |i| pixels.number(i).samples(side)).into_iter().flatten().collect()
+    let seen: Vec<Vec<Sample>> =
+        parallel::collect(picture.count, |i| pixels.number(i).samples(side)).into_iter().flatten().collect();
+    match picture.closer(seen.len()) {
+        Some(closer) => overview_samples(side, closer),
+        None => seen,
+    }
 }
 
 /// The random pixels of an overview.
@@ -196,9 +218,9 @@ fn difference(pair: &Pair<'_>, pixel: &Pixel) -> Compared {
     let Some(samples) = pixel.samples(pair.scan) else { return Compared::Outline };
     match pixel.samples(pair.asset) {
         Some(of_asset) => {
-            let scan = Look::of(pair.scan.surface, samples, pair.has_material);
-            let asset = Look::of(pair.asset.surface, of_asset, pair.has_material);
-            Compared::Both(Difference::between(&scan, &asset, pair.has_material))
+            let scan = Look::of(pair.scan.surface, samples, pair.properties);
+            let asset = Look::of(pair.asset.surface, of_asset, pair.properties);
+            Compared::Both(Difference::between(&scan, &asset, pair.properties))
         }
         None => {
             let Sample { at, toward } = samples[0];

@@ -4,7 +4,7 @@
 
 use super::close_up::{CloseUp, Footprint, OUTLINE, SurfaceSample, Viewer};
 use super::statistics::{Detail, Estimate};
-use super::{Difference, Look, NOTHING_DEG, Pair, Sample};
+use super::{Difference, Look, NOTHING_DEG, Pair, Properties, Sample};
 use crate::bake::{LookupPoint, Scan};
 use crate::compare::Field;
 use crate::error::Result;
@@ -386,6 +386,7 @@ impl PatchView {
     pub fn differences(&self, [scan, asset]: [&Scan; 2], of: PatchQuantity, side: u32) -> Result<Field> {
         let footprint = Footprint::of(scan);
         let toward = self.toward.to_f32();
+        let properties = if of == PatchQuantity::Angle { Properties::None } else { Properties::All };
         let difference = |i: usize| {
             let ray = self.ray(i as u32, side);
             let hits = [scan, asset].map(|surface| surface.first_seen(&ray, self.far as f32));
@@ -396,9 +397,9 @@ impl PatchView {
             let width = footprint.pixel(footprint.at(scan, on_scan));
             let [seen, shown] = [(scan, on_scan), (asset, on_asset)].map(|(surface, point)| {
                 let sample = Sample { at: LookupPoint { point, width }, toward };
-                Look::of(surface, [sample], of != PatchQuantity::Angle)
+                Look::of(surface, [sample], properties)
             });
-            let found = Difference::between(&seen, &shown, of != PatchQuantity::Angle);
+            let found = Difference::between(&seen, &shown, properties);
             match of {
                 PatchQuantity::Angle | PatchQuantity::Detail => found.angle_deg,
                 PatchQuantity::Color => found.color,

@@ -6,8 +6,7 @@ use super::document::Document;
 use super::geometry::{Vertices, attribute, compact, read_indices, triangulate};
 use super::nodes::keyframes;
 use super::primitives::{bytes_of, most_elements};
-use super::raw::{DRACO, extension};
-use super::raw::{GltfSource, RawGltf};
+use super::raw::{DRACO, GltfSource, RawGltf, extension, is_known};
 use super::resources::Supplied;
 use super::textures::read_image;
 use crate::reading::{Reading, Reason};
@@ -95,6 +94,22 @@ impl Content {
     }
 }
 
+/// The order of triangles tells which of them are one polygon: packing drops it.
+pub(crate) const POLYGONS: &str = "FB_ngon_encoding";
+
+/// Returns true for an extension of a mesh or primitive that may refer to vertices or triangles by number.
+fn depends_on_order(name: &str) -> bool {
+    name != POLYGONS && !is_known(name)
+}
+
+/// Returns the names of an object's extensions.
+fn names(json: &Value) -> impl Iterator<Item = &str> {
+    json.get("extensions")
+        .and_then(Value::as_object)
+        .into_iter()
+        .flat_map(|all| all.keys().map(String::as_str))
+}
+
 /// Reads primitives, both typed and as raw JSON, since only the latter has all names.
 struct Reader<'a> {
     document: &'a Document,
@@ -108,6 +123,9 @@ impl Reader<'_> {
         for (mesh, typed) in self.document.root.meshes.iter().enumerate() {
             for (primitive, typed) in typed.primitives.iter().enumerate() {
                 let json = &self.json["meshes"][mesh]["primitives"][primitive];
+                if names(&self.json["meshes"][mesh]).any(depends_on_order) {
+                    continue;
+                }
                 // A primitive that cannot be read stays unchanged.
                 let Ok(Some(triangles)) = self.triangles(typed, json, &mut budget) else { continue };
                 let key = format!("{} {}", json["attributes"], json["targets"]);
@@ -138,12 +156,20 @@ impl Reader<'_> {
                 let Ok((width, keys)) = self.keys(sampler, &mut budget) else { continue };
                 let is_rotation = others.is_empty();
                 let can_pack = if is_rotation { width == 4 } else { turning.is_empty() && width <= 4 };
-                if can_pack {
+                if can_pack && !self.has_integers(sampler) {
                     found.push(StoredTrack { place: [a, s], is_rotation, width, keys });
                 }
             }
         }
         found
+    }
+
+    /// Returns true if the values of a sampler are integers, such as the booleans of KHR_animation_pointer: packed ones would
+    /// be floats.
+    fn has_integers(&self, sampler: &Value) -> bool {
+        let output = number(sampler, "output").and_then(|output| self.document.root.accessors.get(output));
+        let is_float = |of: &Checked<gltf::json::accessor::GenericComponentType>| matches!(of, Checked::Valid(kind) if kind.0 == ComponentType::F32);
+        output.is_some_and(|accessor| !accessor.normalized && !is_float(&accessor.component_type))
     }
 
     /// Returns the keyframes of a sampler, and the components of a stored element.
@@ -166,10 +192,8 @@ impl Reader<'_> {
         json: &Value,
         budget: &mut usize,
     ) -> Reason<Option<Vec<[u32; 3]>>> {
-        let is_packed = |name: &String| name.contains("compression");
-        let extensions = json.get("extensions").and_then(Value::as_object);
         let Checked::Valid(mode) = typed.mode else { return Ok(None) };
-        if extensions.is_some_and(|all| all.keys().any(is_packed)) {
+        if names(json).any(|name| name.contains("compression") || depends_on_order(name)) {
             return Ok(None);
         }
         let Some(position) = number(&json["attributes"], POSITION) else { return Ok(None) };

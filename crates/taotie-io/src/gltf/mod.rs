@@ -19,7 +19,7 @@ mod resources;
 mod statistics;
 mod textures;
 
-pub(super) use content::{Content, StoredAttribute, StoredTrack, StoredVertices, missing_tangents};
+pub(super) use content::{Content, POLYGONS, StoredAttribute, StoredTrack, StoredVertices, missing_tangents};
 pub(super) use geometry::compact;
 pub use raw::GLTF_EXTENSIONS;
 pub use raw::{GltfSource, StoredImage, StoredParts};

@@ -1,6 +1,7 @@
 //! A glTF file as stored: its source, its GLB container, its JSON with the parts that are not read here, the bytes of
 //! its buffers, its images, not decoded, and the extensions that are supported.
 
+use super::meshopt;
 use super::resources::{self, ByteSource, load_buffer};
 use crate::file::sha256_of;
 use crate::json::broken;
@@ -72,6 +73,7 @@ impl RawGltf {
         let mut buffers = Vec::with_capacity(declared.len());
         for (i, buffer) in declared.iter().enumerate() {
             buffers.push(match buffer.get("uri").and_then(Value::as_str) {
+                _ if meshopt::is_fallback_json(buffer) => None,
                 Some(name) => Some(load_buffer(&reading, name, i)?),
                 None if i == 0 => blob.take(),
                 None => None,

@@ -1,7 +1,9 @@
 //! Files that are packed as a whole keep all their contents.
 
+use crate::glb::Glb;
 use crate::gltf_read::instanced;
 use crate::{common, files};
+use serde_json::{Value, json};
 #[cfg(feature = "webp")]
 use std::sync::Arc;
 use taotie_engine::Warnings;
@@ -322,4 +324,130 @@ fn a_seam_that_rounding_splits_stays_closed() {
         let open = edges.values().filter(|uses| **uses == 1).count();
         assert!(open == 0 && edges.len() > 500, "{kept}: {open} of {}", edges.len());
     }
+}
+
+/// A ball as a file whose JSON is changed, after floats are added as accessors (components, values).
+fn ball_with(added: &[(&str, &[f32])], change: impl Fn(&mut Value, usize)) -> Vec<u8> {
+    let scene = Scene::of_mesh(Mesh::sphere(1.0, 64, 32), Material::default()).unwrap();
+    let mut glb = Glb::read(&encode_scene(&scene, &[], &mut Warnings::default()).unwrap());
+    let first = glb.json["accessors"].as_array().unwrap().len();
+    for (kind, values) in added {
+        glb.bytes.resize(glb.bytes.len().next_multiple_of(4), 0);
+        let (start, width) =
+            (glb.bytes.len(), ["SCALAR", "VEC2", "VEC3", "VEC4"].iter().position(|k| k == kind));
+        glb.bytes.extend(values.iter().flat_map(|v| v.to_le_bytes()));
+        let views = glb.json["bufferViews"].as_array_mut().unwrap();
+        views.push(json!({ "buffer": 0, "byteOffset": start, "byteLength": 4 * values.len() }));
+        let (view, count) = (views.len() - 1, values.len() / (width.unwrap() + 1));
+        let accessors = glb.json["accessors"].as_array_mut().unwrap();
+        accessors.push(json!({ "bufferView": view, "componentType": 5126, "count": count, "type": kind }));
+    }
+    glb.json["buffers"][0]["byteLength"] = glb.bytes.len().into();
+    change(&mut glb.json, first);
+    glb.file()
+}
+
+fn repacked(file: &[u8]) -> (Vec<u8>, Glb) {
+    let packer = GltfPacker::open(GltfSource::Glb(file), &Limits::default()).unwrap();
+    let bytes = packer.encode(PackedGeometry::default(), &[]).unwrap();
+    let glb = Glb::read(&bytes);
+    (bytes, glb)
+}
+
+#[test]
+fn geometry_is_packed_under_unknown_extensions_that_name_none() {
+    let own = |extension: Value| {
+        ball_with(&[], |json, _| {
+            json["extensionsUsed"] = json!(["VRM", "FB_ngon_encoding"]);
+            json["meshes"][0]["primitives"][0]["extensions"] = json!({ "FB_ngon_encoding": {} });
+            json["extensions"] = json!({ "VRM": extension });
+        })
+    };
+    let (plain, _) = repacked(&ball_with(&[], |_, _| ()));
+    for extension in [json!({ "title": "a ball" }), json!({ "bone": 7_000 })] {
+        let (packed, glb) = repacked(&own(extension.clone()));
+        assert!(packed.len() < plain.len() + 1_000, "{} {}", packed.len(), plain.len());
+        assert_eq!(glb.json["extensions"]["VRM"], extension);
+        assert!(glb.json["meshes"][0]["primitives"][0].get("extensions").is_none());
+    }
+    // A number that may be that of an accessor keeps it, at its place.
+    let file = own(json!({ "curve": 1 }));
+    let (_, glb) = repacked(&file);
+    let bytes = |glb: &Glb| {
+        let view =
+            &glb.json["bufferViews"][glb.json["accessors"][1]["bufferView"].as_u64().unwrap() as usize];
+        let [start, length] =
+            ["byteOffset", "byteLength"].map(|name| view[name].as_u64().unwrap_or(0) as usize);
+        glb.bytes[start..start + length].to_vec()
+    };
+    assert!(bytes(&glb).len() > 1_000 && bytes(&glb) == bytes(&Glb::read(&file)));
+}
+
+#[test]
+fn vertices_that_extensions_refer_to_keep_their_order() {
+    for place in ["primitive", "mesh"] {
+        let file = ball_with(&[], |json, _| {
+            json["extensionsUsed"] = json!(["CESIUM_primitive_outline"]);
+            let mesh = &mut json["meshes"][0];
+            let of = if place == "mesh" { mesh } else { &mut mesh["primitives"][0] };
+            of["extensions"] = json!({ "CESIUM_primitive_outline": { "indices": 0 } });
+        });
+        let elements = |glb: &Glb| glb.accessors().into_iter().map(|(_, bytes)| bytes).collect::<Vec<_>>();
+        assert_eq!(elements(&repacked(&file).1), elements(&Glb::read(&file)), "{place}");
+    }
+}
+
+#[test]
+fn animations_keep_their_length_and_integers() {
+    let half = std::f32::consts::FRAC_1_SQRT_2;
+    let turn = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, half, half];
+    let added: [(&str, &[f32]); 4] =
+        [("SCALAR", &[0.0, 1.0]), ("VEC4", &turn), ("SCALAR", &[0.0, 10.0]), ("VEC3", &[0.0; 6])];
+    let channel =
+        |sampler: usize, path: &str| json!({ "sampler": sampler, "target": { "node": 0, "path": path } });
+    let file = ball_with(&added, |json, first| {
+        // A still translation, before the rotation ends and after it, and a boolean.
+        json["animations"] = json!([{
+            "channels": [channel(0, "rotation"), channel(1, "translation"), channel(2, "scale"), {
+                "sampler": 3,
+                "target": { "path": "pointer", "extensions": {
+                    "KHR_animation_pointer": { "pointer": "/nodes/0/extensions/KHR_node_visibility/visible" } } },
+            }],
+            "samplers": [
+                { "input": first, "output": first + 1 }, { "input": first + 2, "output": first + 3 },
+                { "input": first, "output": first + 4 },
+                { "input": first, "output": first + 5, "interpolation": "STEP" },
+            ],
+        }]);
+        json["extensionsUsed"] = json!(["KHR_animation_pointer"]);
+        let accessors = json["accessors"].as_array_mut().unwrap();
+        let mut scale = accessors[first + 3].clone();
+        scale["count"] = 2.into();
+        accessors.push(scale);
+        let mut visible = accessors[first].clone();
+        visible["componentType"] = 5121.into();
+        accessors.push(visible);
+    });
+    let (bytes, glb) = repacked(&file);
+    let accessor = |number: &Value| &glb.json["accessors"][number.as_u64().unwrap() as usize];
+    let samplers = glb.json["animations"][0]["samplers"].as_array().unwrap();
+    assert!(samplers.iter().any(|sampler| accessor(&sampler["output"])["componentType"] == 5121));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("m.glb");
+    std::fs::write(&path, bytes).unwrap();
+    let rig = load_model(&path).unwrap().rig.unwrap();
+    assert_eq!(rig.animations()[0].seconds(), 10.0);
+}
+
+/// The buffer that packed views unpack to may name a file, which only programs without a decoder need.
+#[test]
+fn a_missing_fallback_buffer_is_not_needed() {
+    let (file, mut glb) = repacked(&ball_with(&[], |_, _| ()));
+    let (expected, _) = repacked(&file);
+    let buffer = glb.json["buffers"].as_array_mut().unwrap().last_mut().unwrap();
+    assert!(buffer["extensions"].to_string().contains("fallback"), "{buffer}");
+    buffer["uri"] = "absent.bin".into();
+    let (again, found) = repacked(&glb.file());
+    assert!(found.json["buffers"].as_array().unwrap().iter().all(|buffer| buffer.get("uri").is_none()));
+    assert!(again == expected);
 }

@@ -9,6 +9,8 @@ mod common;
 mod damage;
 #[path = "../../../../tests/common/files.rs"]
 mod files;
+#[path = "../../../../tests/common/glb.rs"]
+mod glb;
 #[path = "../../../../tests/common/gltf.rs"]
 mod gltf;
 #[path = "../../../../tests/common/rich.rs"]

@@ -72,14 +72,14 @@ fn row_of_requirement(met: &RequirementOutcome) -> Vec<Cell> {
     ]
 }
 
-/// Returns the number of decimals for a value and its limit: four, or more if needed to show that a value above the
-/// limit is larger.
+/// Returns the number of decimals for a value and its limit: four, or more if needed to show that a value beyond the
+/// limit differs from it.
 fn digits(met: bool, value: f64, most: f64) -> usize {
     const FEW: usize = 4;
     /// Enough to distinguish any two numbers of at least 0.1.
     const ALL: usize = 17;
     let differ = |digits: &usize| format!("{value:.digits$}") != format!("{most:.digits$}");
-    if met || value <= most { FEW } else { (FEW..ALL).find(differ).unwrap_or(ALL) }
+    if met || value == most { FEW } else { (FEW..ALL).find(differ).unwrap_or(ALL) }
 }
 
 fn quantiles(title: &str) -> Vec<Column> {

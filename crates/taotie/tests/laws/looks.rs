@@ -1,7 +1,10 @@
 //! Assets that look different although their points are where those of the scan are: backs that are not drawn, thin parts
 //! between others, light, opacity, and materials; and cut-away surface that makes no difference.
 
-use crate::pairs::{ball, changed, direction, first_texture, grid, is_bad, is_sound, joined, proof, scan_of};
+use crate::pairs::{
+    ball, changed, copy_of, direction, first_texture, grid, is_bad, is_sound, joined, lettering, proof,
+    reshaped, scan_of,
+};
 use taotie::asset::{Figure, Requirement, Scan};
 use taotie_engine::Progress;
 use taotie_engine::image::{Bitmap, Encoding, Texels, Texture};
@@ -29,6 +32,52 @@ fn a_vessel_whose_inside_is_not_drawn() {
     is_bad(&single, &scan(&double), (&["missed"], "no counterpart on the asset"));
     // A back that only the asset draws hides nothing.
     is_sound(&double, &scan(&single));
+}
+
+/// A scan without materials is opaque.
+#[test]
+fn a_ghost_of_a_plain_scan() {
+    let scan = scan_of(ball([96, 48], lettering));
+    is_sound(&copy_of(&scan), &scan);
+    for opacity in [0.06, 0.5] {
+        let material =
+            Material { base_color: [1.0, 1.0, 1.0, opacity], alpha: AlphaMode::Blend, ..Material::default() };
+        let ghost = Scene::of_mesh(scan.mesh().clone(), material).unwrap();
+        let proof = is_bad(&ghost, &scan, (&["mean-color", "patch-color"], "colours are off"));
+        let flip = proof.figures.levels[0].views.iter().map(|view| view.flip).fold(0.0, f64::max);
+        assert!(flip > 0.05, "{opacity}: {flip}");
+    }
+}
+
+/// Wires fill hardly any pixel of the whole object: they are compared closer.
+#[test]
+fn a_cage_of_wires() {
+    let wire = |i: usize| {
+        let (a, rest) = (i as f64 * 2.4, 1.5e-3);
+        let axis = Vec3::new(libm::cos(a) * 0.8, libm::sin(a) * 0.8, 0.6 - 0.04 * i as f64)
+            .normalize_or(Vec3::splat(1.0));
+        let side = axis.any_perpendicular();
+        let across = axis.cross(side);
+        grid([8, 24], false, move |u, v| {
+            let turn = u * std::f64::consts::TAU;
+            let out = side * libm::cos(turn) + across * libm::sin(turn);
+            axis * (2.0 * v - 1.0) + out * (rest * (1.0 + 0.2 * libm::sin(60.0 * v)))
+        })
+    };
+    let cage = shown(joined((0..24).map(wire)), Material { double_sided: true, ..Material::default() });
+    let faceted = reshaped(&cage, |data| {
+        let corners: Vec<Vec3> =
+            data.triangles.as_flattened().iter().map(|v| data.positions[*v as usize]).collect();
+        let normals =
+            corners.chunks(3).flat_map(|c| [(c[1] - c[0]).cross(c[2] - c[0]).normalize(); 3]).collect();
+        let triangles = (0..data.triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+        *data = MeshData { positions: corners, normals, triangles, ..MeshData::default() };
+    });
+    let scan = scan(&cage);
+    let proof = is_sound(&cage, &scan);
+    let overview = &proof.figures.levels[0].overview;
+    assert!(overview.across > 512.0 && overview.pixels > 100, "{} {}", overview.across, overview.pixels);
+    is_bad(&faceted, &scan, (&["mean-angle"], "normals are off"));
 }
 
 /// A frame with thin bars, narrower than the tolerance next to outlines, and the gaps between them.

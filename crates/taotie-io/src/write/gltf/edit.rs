@@ -138,6 +138,67 @@ pub(super) fn drop_unnamed(json: &mut Value, list: &str, each: Visit) -> Vec<u64
     kept
 }
 
+/// Empties the items of a list that neither a reference nor one of `foreign` numbers names, so that all keep their numbers;
+/// drops the list if none is named.
+pub(super) fn empty_unnamed(json: &mut Value, list: &str, (each, foreign): (Visit, &BTreeSet<u64>)) {
+    let mut named = foreign.clone();
+    each(json, &mut |number| named.extend(number.as_u64()));
+    let mut items = taken(json, list);
+    let is_named = |i: usize| named.contains(&(i as u64));
+    let empty = match list {
+        "accessors" => Some(json!({ "componentType": 5121, "count": 1, "type": "SCALAR" })),
+        // The first byte of a view that is kept.
+        _ => items.iter().enumerate().find(|(i, _)| is_named(*i)).map(|(_, view)| {
+            let [buffer, offset] = ["buffer", "byteOffset"].map(|name| number(view, name).unwrap_or(0));
+            json!({ "buffer": buffer, "byteOffset": offset, "byteLength": 1 })
+        }),
+    };
+    let Some(empty) = empty.filter(|_| (0..items.len()).any(is_named)) else { return };
+    let unnamed = items.iter_mut().enumerate().filter(|(i, _)| !is_named(*i));
+    unnamed.for_each(|(_, item)| *item = empty.clone());
+    if !items.is_empty() {
+        json[list] = Value::Array(items);
+    }
+}
+
+/// Returns the numbers in extensions that are neither known nor about materials, textures or lights: any of them may be that
+/// of an accessor or a view.
+pub(super) fn foreign_numbers(json: &Value) -> BTreeSet<u64> {
+    fn all(value: &Value, found: &mut BTreeSet<u64>) {
+        match value {
+            Value::Object(members) => members.values().for_each(|value| all(value, found)),
+            Value::Array(items) => items.iter().for_each(|value| all(value, found)),
+            Value::Number(number) => found.extend(number.as_u64()),
+            _ => {}
+        }
+    }
+    fn search(value: &Value, found: &mut BTreeSet<u64>) {
+        match value {
+            Value::Object(members) => {
+                let extensions = members.get("extensions").and_then(Value::as_object).into_iter().flatten();
+                let foreign = extensions.filter(|(name, _)| !names_no_geometry(name));
+                foreign.for_each(|(_, value)| all(value, found));
+                let below = members.iter().filter(|(name, _)| *name != "extras");
+                below.for_each(|(_, value)| search(value, found));
+            }
+            Value::Array(items) => items.iter().for_each(|item| search(item, found)),
+            _ => {}
+        }
+    }
+    let mut found = BTreeSet::new();
+    search(json, &mut found);
+    found
+}
+
+/// Removes an extension from an object.
+pub(super) fn remove_extension(json: &mut Value, name: &str) {
+    let Some(extensions) = json.get_mut("extensions").and_then(Value::as_object_mut) else { return };
+    extensions.remove(name);
+    if extensions.is_empty() {
+        remove(json, "extensions");
+    }
+}
+
 /// Visits the textures of materials: `index` of members such as `normalTexture`.
 pub(super) fn each_texture(json: &mut Value, visit: &mut dyn FnMut(&mut Value)) {
     let mut of = |members: &mut Map<String, Value>| {
@@ -191,9 +252,9 @@ pub(super) fn each_accessor(json: &mut Value, visit: &mut dyn FnMut(&mut Value))
 }
 
 /// Returns `true` if an extension is known, or is about materials, textures or lights.
-pub(super) fn names_no_geometry(name: &Value) -> bool {
+pub(super) fn names_no_geometry(name: &str) -> bool {
     let looks = ["KHR_materials_", "KHR_texture_", "KHR_lights_", "EXT_texture_", "EXT_lights_"];
-    name.as_str().is_some_and(|name| is_known(name) || looks.iter().any(|prefix| name.starts_with(prefix)))
+    is_known(name) || looks.iter().any(|prefix| name.starts_with(prefix))
 }
 
 /// Adds bytes as a view; returns its index.
@@ -261,7 +322,10 @@ fn set_place(place: &mut Value, spans: &Spans, empty: &[usize]) {
 /// Writes the buffer of all bytes into the document, followed by those without bytes.
 fn set_buffers(json: &mut Value, empty: &[usize], length: usize) {
     let declared = taken(json, "buffers");
-    let kept = empty.iter().filter_map(|i| declared.get(*i).cloned());
+    let kept = empty.iter().filter_map(|i| declared.get(*i).cloned()).map(|mut buffer| {
+        remove(&mut buffer, "uri");
+        buffer
+    });
     let buffers: Vec<Value> = std::iter::once(json!({ "byteLength": length })).chain(kept).collect();
     if length > 0 {
         json["buffers"] = Value::Array(buffers);

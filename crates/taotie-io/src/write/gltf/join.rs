@@ -118,7 +118,10 @@ fn apart(all: &mut RawGltf, path: &Path) -> Vec<FileBytes> {
 
 fn read(glb: &[u8]) -> Result<RawGltf> {
     let raw = RawGltf::read(GltfSource::Glb(glb), &Limits::of_own_files())?;
-    match edit::items(&raw.json, "extensionsUsed").iter().find(|name| !names_no_geometry(name)) {
+    match edit::items(&raw.json, "extensionsUsed")
+        .iter()
+        .find(|name| !name.as_str().is_some_and(names_no_geometry))
+    {
         Some(name) => Err(Error::unsupported(
             format!("adding levels of detail to a file with {name}"),
             "it may refer to items by index, and indices change; omit the levels or the extension",

@@ -247,7 +247,8 @@ fn places<'a>(all: &Figures, number: usize, unmet: &'a [RequirementOutcome]) -> 
         if unmet.is_empty() && (number > 0 || !fault.is_large(level)) {
             continue;
         }
-        let Some(what) = fault.text(level) else { continue };
+        let what = fault.text(level).or_else(|| (!unmet.is_empty()).then(|| "a figure is undecided".into()));
+        let Some(what) = what else { continue };
         let at = fault.place(level).map_or_else(String::new, |at| place_text(at, all.diagonal, all.unit));
         match places.iter_mut().find(|place| place.at == at) {
             Some(place) => {

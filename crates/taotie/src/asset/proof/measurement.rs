@@ -163,7 +163,7 @@ impl<'a> Measurement<'a> {
         let on_surface = LevelFigures::on_surface(&found, level.surface.mesh().triangles().len())?;
         let asset = Side::of(&level.surface);
         let diagonal = self.scan.mesh().diagonal() as f32;
-        let pair = Pair { scan, asset: &asset, diagonal, has_material: level.has_material() };
+        let pair = Pair { scan, asset: &asset, diagonal, properties: level.properties() };
         let asked = asked_limits(&self.options.requirements);
         let across = self.across.get(number).copied().flatten().unwrap_or(Lod::FINEST as f32);
         let mut seen = Seen::of(&pair, (across, counts))?;

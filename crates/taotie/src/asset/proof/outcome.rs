@@ -132,8 +132,11 @@ impl Requirement {
             let exactly = bytes.map(|value| Value { value, interval: [value; 2] });
             return vec![self.outcome(self.level, exactly)];
         }
-        let has_color = figures.finest().is_none_or(|finest| finest.overview.color.is_some());
-        if self.if_compared && !has_color {
+        let is_compared = |LevelFigures { overview, .. }: &LevelFigures| match self.figure {
+            Figure::MeanMaterial | Figure::PatchMaterial => overview.material.is_some(),
+            _ => overview.color.is_some(),
+        };
+        if self.if_compared && !figures.finest().is_none_or(is_compared) {
             return Vec::new();
         }
         let levels = match self.level {

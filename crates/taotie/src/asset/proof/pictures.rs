@@ -81,8 +81,9 @@ pub(super) fn take(
         (full, colors) = setting.views((scene, own), of_color, progress.part(0.0, 0.5))?;
         (setting.environment, rest) = (None, progress.part(0.5, 1.0));
     }
-    let levels = levels.into_iter().map(in_grey).collect::<Result<Vec<_>>>()?;
-    let (grey, mut close_ups) = setting.views((in_grey(scan)?, levels), of_angle, rest)?;
+    let opacity = if is_plain(&scan) { Opacity::OfMaterials } else { Opacity::Full };
+    let levels = levels.into_iter().map(|level| in_grey(level, opacity)).collect::<Result<Vec<_>>>()?;
+    let (grey, mut close_ups) = setting.views((in_grey(scan, opacity)?, levels), of_angle, rest)?;
     close_ups.extend(colors);
     Ok(Looks { grey, full, close_ups })
 }
@@ -210,16 +211,29 @@ fn cameras(scene: &Scene) -> Vec<Camera> {
     (0..COUNT).map(camera).collect()
 }
 
+/// The opacity of grey scenes.
+#[derive(Clone, Copy, PartialEq)]
+enum Opacity {
+    /// All is opaque: pictures in full material show transparency.
+    Full,
+    /// That of materials without a texture, since there are no pictures in full material.
+    OfMaterials,
+}
+
 /// Returns the scene in one grey material, keeping its normal and height maps and which sides are drawn; vertex colours,
-/// textures, transparency and lights are removed.
-fn in_grey(scene: Scene) -> Result<Scene> {
+/// textures and lights are removed.
+fn in_grey(scene: Scene, opacity: Opacity) -> Result<Scene> {
     let mut data = scene.into_data();
     for mesh in data.meshes.iter_mut().filter(|mesh| !mesh.colors().is_empty()) {
         *mesh = Mesh::new(MeshData { colors: Vec::new(), ..std::mem::take(mesh).into_data() })?;
     }
     for material in &mut data.materials {
-        let Material { normal, height, double_sided, .. } = *material;
-        *material = Material { normal, height, double_sided, ..neutral() };
+        let Material { normal, height, double_sided, alpha, base_color: [.., alone], .. } = *material;
+        let mut grey = Material { normal, height, double_sided, ..neutral() };
+        if opacity == Opacity::OfMaterials && material.base_color_texture.is_none() {
+            (grey.alpha, grey.base_color[3]) = (alpha, alone);
+        }
+        *material = grey;
     }
     data.lights.clear();
     Scene::new(data)
@@ -466,7 +480,7 @@ mod tests {
     fn grey_is_grey() {
         let count = Mesh::sphere(1.0, 8, 4).positions().len();
         let red = Material { base_color: [1.0, 0.0, 0.0, 0.5], emissive: [1.0; 3], ..Material::default() };
-        let grey = in_grey(ball(red, vec![[0.0, 1.0, 0.0, 1.0]; count])).unwrap();
+        let grey = in_grey(ball(red, vec![[0.0, 1.0, 0.0, 1.0]; count]), Opacity::Full).unwrap();
         assert!(grey.meshes()[0].colors().is_empty());
         assert_eq!(grey.materials(), [neutral()]);
     }

@@ -8,6 +8,7 @@ use taotie_engine::compare::Field;
 use taotie_engine::error::{Error, Result};
 use taotie_engine::math::Mat4;
 use taotie_engine::mesh::sample_area;
+use taotie_engine::proof::Properties;
 use taotie_engine::scene::{AlphaMode, Scene};
 use taotie_engine::surface::facet_normal;
 
@@ -99,9 +100,9 @@ impl<'a> ShownLevel<'a> {
         self.scan.sorted()
     }
 
-    /// Returns `true` if colours and materials are compared, since the scan specifies them.
-    pub fn has_material(&self) -> bool {
-        self.has_material
+    /// Returns what is compared in addition to normals.
+    pub fn properties(&self) -> Properties {
+        Properties::of(self.has_material, &self.surface)
     }
 
     /// Returns `true` if the scan specifies colours or materials, but the asset shows the default of its format.

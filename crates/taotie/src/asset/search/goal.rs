@@ -78,20 +78,15 @@ pub(super) enum Statistic {
 impl Goal {
     /// Creates the goal from the requirements that pixels decide. If there are none for angles, those of
     /// [`Requirement::visually_lossless`] apply. The same holds for colours, but if normals may be further off, so
-    /// may colours, up to twice, and materials, up to four times. Requirements for only the level with this number override those for all.
+    /// may colours, up to twice, and materials, up to four times. A requirement for only the level with this number overrides
+    /// that for all.
     pub fn of(requirements: &[Requirement], level: usize) -> Self {
         let lossless = Requirement::visually_lossless();
         let of = |from: &[Requirement], figures: &[Figure]| -> Vec<Limit> {
-            let those = from.iter().filter(|required| figures.contains(&required.figure));
-            let limits = |level: Option<usize>| -> Vec<Limit> {
-                those.clone().filter(|required| required.level == level).filter_map(Limit::of).collect()
+            let counts = |required: &&Requirement| {
+                figures.contains(&required.figure) && required.counts_at(level, from)
             };
-            match (limits(Some(level)), limits(None)) {
-                (own, of_all) if own.is_empty() => of_all,
-                // The finest must meet both.
-                (own, of_all) if level == 0 => [own, of_all].concat(),
-                (own, _) => own,
-            }
+            from.iter().filter(counts).filter_map(Limit::of).collect()
         };
         let required = |figures: &[Figure], factor: f64| {
             let required = of(requirements, figures);

@@ -12,7 +12,7 @@ use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::length::Unit;
 use taotie_engine::mesh::Mesh;
 use taotie_engine::progress::Progress;
-use taotie_engine::proof::{self, CloseUp, PatchQuantity, Picture, PixelDifferences, Side};
+use taotie_engine::proof::{self, CloseUp, PatchQuantity, Picture, PixelDifferences, Properties, Side};
 use taotie_io::{
     CodecSet, GltfAsset, GltfFormat, GltfSizes, GltfSource, ImageCodec, Limits, PackedGeometry, PackedImage,
     TextureCodecs, VertexBits,
@@ -394,7 +394,8 @@ impl<'a> Workshop<'a> {
     {
         let scan = self.subject.side;
         let diagonal = scan.surface.mesh().diagonal() as f32;
-        proof::Pair { scan, asset, diagonal, has_material: self.has_material }
+        let properties = Properties::of(self.has_material, asset.surface);
+        proof::Pair { scan, asset, diagonal, properties }
     }
 
     /// Compares random pixels: more of them if a ratio to a limit is near 1.
@@ -520,7 +521,7 @@ impl Best {
             (true, true) => trial.bytes < than.bytes,
             (false, false) => match (trial.is_within(), than.is_within()) {
                 (true, true) => {
-                    let is_equal = |ratio: f64| ratio <= EQUAL * least_ratio;
+                    let is_equal = |ratio: f64| ratio.is_finite() && ratio <= EQUAL * least_ratio;
                     match (is_equal(trial.ratio()), is_equal(than.ratio())) {
                         (true, true) => trial.bytes < than.bytes,
                         (false, false) => trial.ratio() < than.ratio(),

@@ -12,7 +12,8 @@ use super::graft::{Storage, take_along};
 use super::image_encoding::LossyTexture;
 use super::stream::{PackedTriangles, Stream};
 use crate::gltf::{
-    Content, GltfSource, INSTANCING, OF_TEXTURES, RawGltf, StoredTrack, StoredVertices, image_bytes, uses,
+    Content, GltfSource, INSTANCING, OF_TEXTURES, POLYGONS, RawGltf, StoredTrack, StoredVertices,
+    image_bytes, uses,
 };
 use crate::limits::Limits;
 use geometry::{Precision, Shaped, Simplified};
@@ -212,19 +213,24 @@ fn drop_geometry(json: &mut Value, vertices: &[StoredVertices]) {
     for [mesh, primitive] in primitives.flat_map(|primitive| &primitive.places) {
         let json = &mut json["meshes"][*mesh]["primitives"][*primitive];
         ["indices", "targets", "mode"].iter().for_each(|name| edit::remove(json, name));
+        edit::remove_extension(json, POLYGONS);
         json["attributes"] = Value::Object(Map::new());
     }
 }
 
-/// Drops the accessors and views that are no longer used, and returns the bytes of the others. All are kept if the
-/// document uses an extension that may refer to any.
+/// Drops the accessors and views that are no longer used, and returns the bytes of the others. If unknown extensions contain
+/// numbers, which may refer to accessors or views, those with such a number are kept, and the others are only emptied.
 ///
 /// # Errors
 /// [`taotie_engine::Error::Parse`] if a view refers to missing bytes.
 fn used_bytes(raw: &mut RawGltf) -> Result<Vec<u8>> {
-    if edit::items(&raw.json, "extensionsUsed").iter().all(edit::names_no_geometry) {
-        edit::drop_unnamed(&mut raw.json, "accessors", edit::each_accessor);
-        edit::drop_unnamed(&mut raw.json, "bufferViews", edit::each_view);
+    let foreign = edit::foreign_numbers(&raw.json);
+    let [of_accessors, of_views]: [edit::Visit; 2] = [edit::each_accessor, edit::each_view];
+    for (list, each) in [("accessors", of_accessors), ("bufferViews", of_views)] {
+        match foreign.is_empty() {
+            true => drop(edit::drop_unnamed(&mut raw.json, list, each)),
+            false => edit::empty_unnamed(&mut raw.json, list, (each, &foreign)),
+        }
     }
     edit::joined_buffers(raw)
 }

@@ -5,6 +5,7 @@ use super::super::edit;
 use super::super::stream::{PowerOfTwo, Quaternions, Stream};
 use crate::gltf::StoredTrack;
 use serde_json::Value;
+use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use taotie_engine::scene::animation::{Interpolation, Tolerance};
 
@@ -20,6 +21,11 @@ const BITS_OF_OTHERS: u8 = 16;
 const LEAST_RANGE: f64 = 8.0;
 
 impl StoredTrack {
+    /// Returns the time of the last keyframe, seconds.
+    fn end(&self) -> f32 {
+        self.keys.times().last().copied().unwrap_or(f32::NEG_INFINITY)
+    }
+
     fn tolerance(&self) -> Tolerance {
         match self.is_rotation {
             true => Tolerance::Degrees(DEGREES),
@@ -45,20 +51,25 @@ impl StoredTrack {
     }
 }
 
-/// Thins tracks and removes their times and values from a document, as well as channels that never change anything.
+/// Thins tracks and removes their times and values from a document, as well as channels that never change anything, except
+/// for one by which an animation ends later than by the others.
 pub(super) fn taken(json: &mut Value, tracks: Vec<StoredTrack>) -> Vec<StoredTrack> {
     let moved = moved_targets(json, &tracks);
+    let ends: BTreeMap<[usize; 2], f32> = tracks.iter().map(|track| (track.place, track.end())).collect();
     let mut kept: BTreeMap<[usize; 2], StoredTrack> =
         tracks.into_iter().map(|track| (track.place, track.thinned())).collect();
     let mut renumbered = Vec::with_capacity(kept.len());
     for (a, animation) in edit::items_mut(json, "animations").enumerate() {
         let is_moved = |channel: &Value| target(channel).is_none_or(|target| moved.contains(&target));
         let channels = edit::taken(animation, "channels");
-        // An animation has at least one channel.
-        let first = channels.first().cloned();
-        let mut channels: Vec<Value> = channels.into_iter().filter(is_moved).collect();
-        if channels.is_empty() {
-            channels.extend(first);
+        let (mut channels, still): (Vec<Value>, Vec<Value>) = channels.into_iter().partition(is_moved);
+        // Tracks that are not packed end at an unknown time, and stay.
+        let end = |channel: &Value| ends.get(&[a, edit::number(channel, "sampler")?]).copied();
+        let last = |of: &[Value]| of.iter().filter_map(end).fold(f32::NEG_INFINITY, f32::max);
+        if channels.is_empty() || last(&still) > last(&channels) {
+            channels.extend(
+                still.into_iter().max_by(|x, y| end(x).partial_cmp(&end(y)).unwrap_or(Ordering::Equal)),
+            );
         }
         let used: BTreeSet<usize> =
             channels.iter().filter_map(|channel| edit::number(channel, "sampler")).collect();
