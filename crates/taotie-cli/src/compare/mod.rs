@@ -11,6 +11,7 @@ use anyhow::{Context, Result};
 use std::path::{Path, PathBuf};
 use taotie::Bytes;
 use taotie::comparison::{Comparison, ComparisonOptions, MethodReport, PictureFigures, Subject};
+use taotie::studio::MaterialOptions;
 use taotie_engine::compare::Summary;
 use taotie_engine::render::{HeldPixels, RenderSettings, SurfaceSettings, image_bytes};
 use taotie_engine::scene::Scene;
@@ -162,7 +163,8 @@ fn load_reference(
     model: &Scene,
     warnings: &mut Warnings,
 ) -> Result<Reference> {
-    let mut loaded = taotie_io::load_model_within(path, &args.running.limits.limits())?;
+    let limits = args.running.limits.limits();
+    let mut loaded = taotie::studio::load(path, &MaterialOptions::default(), &limits)?;
     let args = &args.material;
     warnings.absorb(std::mem::take(&mut loaded.warnings));
     let mut scene = loaded.scene;

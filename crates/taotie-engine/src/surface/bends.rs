@@ -62,6 +62,21 @@ pub fn looks_scanned(mesh: &Mesh) -> Result<bool> {
     Ok(Bends::of(&sample).looks_scanned())
 }
 
+/// Returns a mesh with normals that are split at its hard edges, if it has no normals and was modelled, such as one in an STL
+/// file; otherwise the same.
+///
+/// # Errors
+/// Those of [`Mesh::new`], none of which can occur.
+pub fn with_hard_edges(mesh: Mesh) -> Result<Mesh> {
+    if mesh.triangles().is_empty() || !mesh.normals().is_empty() || looks_scanned(&mesh)? {
+        return Ok(mesh);
+    }
+    let bends = Bends::of(&mesh);
+    let hard = bends.modelled();
+    let split = (!hard.is_empty()).then(|| bends.split_at(&hard, MODELLED_CREASE_DEG.to_radians()));
+    split.unwrap_or(Ok(mesh))
+}
+
 /// Returns the unit normal of a triangle and the angle by which rounding may have rotated it, in radians.
 fn facet(corners: [Vec3; 3], rounding: f64) -> (Vec3, f32) {
     let [a, b, c] = corners.map(Vec3::to_f64);

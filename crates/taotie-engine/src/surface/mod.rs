@@ -16,7 +16,7 @@ mod weld;
 mod winding;
 
 pub(crate) use bends::mean_curvatures;
-pub use bends::{Bends, MODELLED_CREASE_DEG, looks_scanned};
+pub use bends::{Bends, MODELLED_CREASE_DEG, looks_scanned, with_hard_edges};
 pub use connectivity::{HardEdges, uv_islands};
 pub(crate) use creases::{creased, has_turned_facets, parted};
 pub use face_tangents::{UvDerivatives, uv_derivatives};

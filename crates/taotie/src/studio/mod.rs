@@ -29,11 +29,13 @@ pub use overrides::{MapOptions, MaterialFactors};
 pub use parameters::{CameraParameters, LightParameters};
 pub use viewpoint::{CameraOptions, Framing, View, Viewpoint};
 
+use crate::asset::keep_hard_edges;
 use std::path::Path;
 use taotie_engine::error::{Error, Result};
 use taotie_io::{Limits, Loaded, parse};
 
-/// Reads a model within limits, chooses the requested variant, and applies the material options.
+/// Reads a model within limits, chooses the requested variant, and applies the material options. Modelled meshes without
+/// normals keep their hard edges, as in a bake.
 ///
 /// ```no_run
 /// use taotie::Limits;
@@ -50,6 +52,7 @@ use taotie_io::{Limits, Loaded, parse};
 /// size is not between 1e-18 and 1e18 model units.
 pub fn load(path: &Path, options: &MaterialOptions, limits: &Limits) -> Result<Loaded> {
     let mut loaded = taotie_io::load_model_within(path, limits)?;
+    keep_hard_edges(&mut loaded.scene)?;
     if let Some(bounds) = loaded.scene.bounds() {
         check_size(path, bounds.diagonal())?;
     }
@@ -72,4 +75,23 @@ fn check_size(path: &Path, diagonal: f64) -> Result<()> {
         return wrong(format!("its size is {diagonal:.1e} model units; scale it to between 1e-18 and 1e18"));
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn edges_of_a_modelled_file_without_normals_stay_hard() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("cube.obj");
+        let corners = (0..8).map(|i| format!("v {} {} {}\n", i & 1, (i >> 1) & 1, i >> 2)).collect::<String>();
+        let faces = ["1 3 4 2", "5 6 8 7", "1 2 6 5", "3 7 8 4", "1 5 7 3", "2 4 8 6"];
+        let faces = faces.map(|face| format!("f {face}\n")).concat();
+        std::fs::write(&path, corners + &faces).expect("it is written");
+        let scene = load(&path, &MaterialOptions::default(), &Limits::default()).expect("it is read").scene;
+        let is_along = |n: &taotie_engine::math::Vec3| n.to_array().iter().any(|v| v.abs() > 0.999);
+        let normals = scene.meshes()[0].normals();
+        assert!(normals.len() == 24 && normals.iter().all(is_along), "{normals:?}");
+    }
 }
