@@ -1,24 +1,19 @@
-//! The colour of each pixel. Normals are estimated from grey; for the colour, photographs are read once more.
+//! The colour of each pixel. Normals are estimated from grey; for the colour, photographs are read again.
 
-use crate::estimate::PixelEstimate;
-use crate::photograph::{Decoder, Shape, linear_of_displayed};
-use crate::relight::Relightable;
 use crate::samples::Samples;
-use std::path::{Path, PathBuf};
 use taotie_engine::error::Result;
-use taotie_engine::image::Bitmap;
+use taotie_engine::math::Vec3;
 use taotie_engine::{Progress, parallel};
-use taotie_io::{Limits, read_photograph_within};
 
-/// Photographs in colour.
-#[derive(Debug, Clone)]
-pub enum ColorSource {
-    /// Files, and the limits of reading them.
-    Files(Vec<PathBuf>, Limits),
-    /// Decoded photographs.
-    Bitmaps(Vec<Bitmap>),
-    /// An image that is relit by each light.
-    Relightable(Relightable),
+/// A matt surface that samples are compared with.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Matt {
+    /// Unit normal.
+    pub normal: Vec3<f64>,
+    /// The grey under light along the normal.
+    pub albedo: f64,
+    /// Standard deviation of the residuals, relative to the albedo.
+    pub residual: f64,
 }
 
 /// Photographs that are decoded at the same time.
@@ -38,12 +33,8 @@ const LEAST: f64 = 0.05;
 ///
 /// # Errors
 /// Those of reading photographs, [`taotie_engine::Error::Cancelled`].
-pub fn chroma(
-    samples: &Samples,
-    best: &[Option<PixelEstimate>],
-    progress: Progress<'_>,
-) -> Result<Vec<[f32; 3]>> {
-    let mut sums = vec![[0.0; 3]; best.len()];
+pub fn chroma(samples: &Samples, matt: &[Option<Matt>], progress: Progress<'_>) -> Result<Vec<[f32; 3]>> {
+    let mut sums = vec![[0.0; 3]; matt.len()];
     let count = samples.images.len();
     for first in (0..count).step_by(BATCH) {
         progress.at(first as f64 / count as f64)?;
@@ -52,9 +43,9 @@ pub fn chroma(
         parallel::pieces(&mut sums, PART, &|part, sums| {
             for (i, sums) in sums.iter_mut().enumerate() {
                 let i = part * PART + i;
-                let Some(best) = &best[i] else { continue };
+                let Some(matt) = &matt[i] else { continue };
                 for (k, colors) in read.iter().enumerate() {
-                    let weight = samples.weight(first + k, i, best);
+                    let weight = samples.weight(first + k, i, matt);
                     sums.iter_mut().zip(colors[i]).for_each(|(sum, v)| *sum += weight * f64::from(v));
                 }
             }
@@ -71,38 +62,16 @@ fn relative(color: [f64; 3]) -> [f32; 3] {
 
 impl Samples {
     /// Returns how much a sample counts for the colour: less the more it differs from a matt surface.
-    fn weight(&self, light: usize, pixel: usize, best: &PixelEstimate) -> f64 {
+    fn weight(&self, light: usize, pixel: usize, matt: &Matt) -> f64 {
         let sample = self.images[light][pixel];
-        let cosine = best.normal.dot(self.direction(light, pixel));
+        let cosine = matt.normal.dot(self.direction(light, pixel));
         if sample.is_saturated() || cosine < GRAZING {
             return 0.0;
         }
-        let difference = f64::from(sample.grey()) - best.albedo * cosine;
-        let cut = best.albedo * (CUT * best.residual).max(LEAST);
+        let difference = f64::from(sample.grey()) - matt.albedo * cosine;
+        let cut = matt.albedo * (CUT * matt.residual).max(LEAST);
         let rest = (1.0 - difference * difference / (cut * cut)).max(0.0);
         rest * rest
-    }
-
-    /// Returns the linear colours of a photograph's pixels, relative to its light; `None` if it has no colour.
-    fn colors(&self, k: usize) -> Result<Option<Vec<[f32; 3]>>> {
-        let decoded = |path: &Path, bitmap: &Bitmap| {
-            let shape = Shape { width: self.width, height: self.height, bits: self.bits };
-            let decoder = Decoder::new((path, shape), &self.pixels, self.transfer);
-            let colors = || decoder.colors(path, bitmap, self.intensities[k]);
-            (bitmap.channels() > 2).then(colors).transpose()
-        };
-        match &self.source {
-            ColorSource::Files(paths, limits) => {
-                decoded(&paths[k], &read_photograph_within(&paths[k], limits)?)
-            }
-            ColorSource::Bitmaps(bitmaps) => decoded(Path::new("images"), &bitmaps[k]),
-            ColorSource::Relightable(image) => {
-                let relit = image.relit(self.lights[k]);
-                let color =
-                    |i: &u32| relit[*i as usize].map(|v| linear_of_displayed(v, self.transfer) as f32);
-                Ok(Some(self.pixels.iter().map(color).collect()))
-            }
-        }
     }
 }
 

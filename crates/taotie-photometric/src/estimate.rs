@@ -2,7 +2,7 @@
 
 use crate::appearance::Fitting;
 use crate::block::LANES;
-use crate::chroma::chroma;
+use crate::chroma::{Matt, chroma};
 use crate::finish::FEWEST_LIGHTS;
 use crate::grid::Grid;
 use crate::indirect::{Indirect, quantile};
@@ -143,7 +143,9 @@ impl Estimate {
         if best.iter().all(Option::is_none) {
             return Err(Error::invalid("no pixel has a normal", why_none(samples)));
         }
-        let chroma = chroma(samples, &best, progress.begin("color")?)?;
+        let matt = |PixelEstimate { normal, albedo, residual, .. }| Matt { normal, albedo, residual };
+        let matt: Vec<Option<Matt>> = best.iter().map(|best| best.map(matt)).collect();
+        let chroma = chroma(samples, &matt, progress.begin("color")?)?;
         Ok(Self {
             width: samples.width,
             height: samples.height,

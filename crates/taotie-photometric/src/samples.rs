@@ -1,10 +1,10 @@
 //! The pixels of all photographs within the mask, in linear light.
 
-use crate::chroma::ColorSource;
 use crate::light::{self, Light, near, place};
-use crate::photograph::{Decoder, Photograph, Sample, Shape, Transfer};
+use crate::photograph::{Decoder, Photograph, Sample, Shape, Transfer, linear_of_displayed};
+use crate::relight::Relightable;
 use crate::set::PhotographSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::image::Bitmap;
 use taotie_engine::math::Vec3;
@@ -36,6 +36,17 @@ pub struct Samples {
     pub(crate) intensities: Vec<[f64; 3]>,
     /// The same photographs in colour.
     pub(crate) source: ColorSource,
+}
+
+/// Photographs in colour.
+#[derive(Debug, Clone)]
+pub enum ColorSource {
+    /// Files, and the limits of reading them.
+    Files(Vec<PathBuf>, Limits),
+    /// Decoded photographs.
+    Bitmaps(Vec<Bitmap>),
+    /// An image that is relit by each light.
+    Relightable(Relightable),
 }
 
 /// The most pixels of all photographs together, so that indices and sums stay exact.
@@ -232,6 +243,28 @@ impl Samples {
              be positions in its unit",
             within.count(),
         );
+    }
+
+    /// Returns the linear colours of a photograph's pixels, relative to its light; `None` if it has no colour.
+    pub(crate) fn colors(&self, k: usize) -> Result<Option<Vec<[f32; 3]>>> {
+        let decoded = |path: &Path, bitmap: &Bitmap| {
+            let shape = Shape { width: self.width, height: self.height, bits: self.bits };
+            let decoder = Decoder::new((path, shape), &self.pixels, self.transfer);
+            let colors = || decoder.colors(path, bitmap, self.intensities[k]);
+            (bitmap.channels() > 2).then(colors).transpose()
+        };
+        match &self.source {
+            ColorSource::Files(paths, limits) => {
+                decoded(&paths[k], &read_photograph_within(&paths[k], limits)?)
+            }
+            ColorSource::Bitmaps(bitmaps) => decoded(Path::new("images"), &bitmaps[k]),
+            ColorSource::Relightable(image) => {
+                let relit = image.relit(self.lights[k]);
+                let color =
+                    |i: &u32| relit[*i as usize].map(|v| linear_of_displayed(v, self.transfer) as f32);
+                Ok(Some(self.pixels.iter().map(color).collect()))
+            }
+        }
     }
 
     /// The number of samples that are saturated.

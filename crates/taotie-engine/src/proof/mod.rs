@@ -50,7 +50,7 @@ pub struct Pair<'a> {
     pub asset: &'a Side<'a>,
     /// The scan's diagonal, in model units.
     pub diagonal: f32,
-    /// What is compared in addition to normals.
+    /// The properties that are compared in addition to normals.
     pub properties: Properties,
 }
 
@@ -66,7 +66,7 @@ pub enum Properties {
 }
 
 impl Properties {
-    /// Returns what to compare with a scan that specifies colours or materials, or not.
+    /// Returns the properties to compare with a scan that specifies colours or materials, or not.
     pub fn of(has_material: bool, asset: &Scan) -> Self {
         match has_material {
             true => Self::All,

@@ -73,7 +73,7 @@ impl Picture {
         Self { across, count: (whole as f32 * (across / SIDE as f32).min(1.0)).ceil() as usize }
     }
 
-    /// Returns the picture from closer, if so few of its pixels show a surface throughout that it is an object of thin parts.
+    /// Returns the picture from closer if hardly any pixel shows a surface throughout, as of an object of thin parts.
     fn closer(self, filled: usize) -> Option<Self> {
         /// The share of the pixels that must be filled.
         const LEAST: f64 = 1e-3;

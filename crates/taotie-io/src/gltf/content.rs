@@ -94,7 +94,7 @@ impl Content {
     }
 }
 
-/// The order of triangles tells which of them are one polygon: packing drops it.
+/// An extension by which the order of triangles states polygons: packing drops it.
 pub(crate) const POLYGONS: &str = "FB_ngon_encoding";
 
 /// Returns true for an extension of a mesh or primitive that may refer to vertices or triangles by number.

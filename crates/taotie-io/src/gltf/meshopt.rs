@@ -30,12 +30,6 @@ pub(super) fn is_fallback(buffer: &Buffer) -> bool {
     NAMES.into_iter().find_map(flag).unwrap_or(false)
 }
 
-/// Returns the same of a buffer's JSON.
-pub(super) fn is_fallback_json(buffer: &serde_json::Value) -> bool {
-    let flag = |name: &&str| buffer.get("extensions")?.get(name)?.get("fallback")?.as_bool();
-    NAMES.iter().find_map(flag).unwrap_or(false)
-}
-
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Mode {
     Attributes,

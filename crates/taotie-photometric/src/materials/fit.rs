@@ -1,7 +1,7 @@
 //! The pixel program fitted to the samples of one texel: Gauss-Newton with Levenberg's damping.
 
-use super::layout::Texel;
 use super::linear::{inverse, squared, times};
+use super::model::Texel;
 use super::reflection::{BOUNDS, Reflection, VARIABLES, Values};
 use super::sight::Incident;
 use crate::uncertainty::tangents;

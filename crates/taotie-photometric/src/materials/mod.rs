@@ -19,8 +19,8 @@ mod transforms;
 
 pub use estimate::{MaterialEstimate, MaterialsEstimate, MaterialsInput, PhotographResiduals, TexelEstimate};
 pub use frame::{Frame, Lamp, LampPlace, Lens, Pose};
-pub use layout::{Layout, Texel};
+pub use layout::Layout;
 pub(crate) use linear::{inverse, times};
 pub use maps::MaterialMaps;
-pub use model::Model;
+pub use model::{Model, Texel};
 pub use transforms::Transforms;

@@ -54,6 +54,5 @@ pub use proof::{
     RequirementOutcome, Resolution, Signature, StageTime, Verdict, VerifyOptions, ViewFigures, Views,
     WorstParts, measure, verify,
 };
-pub(crate) use source::keep_hard_edges;
 pub use source::{Origin, Scan, ScanFile, ScanOptions, ScanSize, Simplification, into_metres};
 pub use write::{Parameters, WrittenAsset, model_unit};

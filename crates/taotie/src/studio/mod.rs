@@ -29,9 +29,11 @@ pub use overrides::{MapOptions, MaterialFactors};
 pub use parameters::{CameraParameters, LightParameters};
 pub use viewpoint::{CameraOptions, Framing, View, Viewpoint};
 
-use crate::asset::keep_hard_edges;
+use std::collections::BTreeSet;
 use std::path::Path;
 use taotie_engine::error::{Error, Result};
+use taotie_engine::scene::Scene;
+use taotie_engine::surface::with_hard_edges;
 use taotie_io::{Limits, Loaded, parse};
 
 /// Reads a model within limits, chooses the requested variant, and applies the material options. Modelled meshes without
@@ -65,6 +67,21 @@ pub fn load(path: &Path, options: &MaterialOptions, limits: &Limits) -> Result<L
     Ok(loaded)
 }
 
+/// Splits the normals of modelled meshes that have none at hard edges, as a bake does, except below normal maps.
+fn keep_hard_edges(scene: &mut Scene) -> Result<()> {
+    if scene.meshes().iter().all(|mesh| !mesh.normals().is_empty()) {
+        return Ok(());
+    }
+    let mut data = std::mem::take(scene).into_data();
+    let is_mapped = data.instances.iter().filter(|own| data.materials[own.material].normal.is_some());
+    let mapped: BTreeSet<usize> = is_mapped.map(|own| own.mesh).collect();
+    for (_, mesh) in data.meshes.iter_mut().enumerate().filter(|(i, _)| !mapped.contains(i)) {
+        *mesh = with_hard_edges(std::mem::take(mesh))?;
+    }
+    *scene = Scene::new(data)?;
+    Ok(())
+}
+
 /// Rejects a size, in model units, that cannot be rendered.
 fn check_size(path: &Path, diagonal: f64) -> Result<()> {
     let wrong = |why: String| Err(Error::invalid(path.display().to_string(), why));
@@ -85,10 +102,11 @@ mod tests {
     fn edges_of_a_modelled_file_without_normals_stay_hard() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("cube.obj");
-        let corners = (0..8).map(|i| format!("v {} {} {}\n", i & 1, (i >> 1) & 1, i >> 2)).collect::<String>();
+        let corners =
+            (0..8).map(|i| format!("v {} {} {}\n", i & 1, (i >> 1) & 1, i >> 2)).collect::<String>();
         let faces = ["1 3 4 2", "5 6 8 7", "1 2 6 5", "3 7 8 4", "1 5 7 3", "2 4 8 6"];
         let faces = faces.map(|face| format!("f {face}\n")).concat();
-        std::fs::write(&path, corners + &faces).expect("it is written");
+        taotie_io::write_text(&path, &(corners + &faces)).expect("it is written");
         let scene = load(&path, &MaterialOptions::default(), &Limits::default()).expect("it is read").scene;
         let is_along = |n: &taotie_engine::math::Vec3| n.to_array().iter().any(|v| v.abs() > 0.999);
         let normals = scene.meshes()[0].normals();

@@ -466,8 +466,9 @@ mod tests {
         plain.coverage.missed_interval = [0.0; 2];
         let patch = |mean: f64| Patch { mean, interval: [mean; 2], ..Patch::default() };
         (plain.patches.angle, plain.patches.detail) = (Some(patch(3.0)), Some(patch(0.1)));
+        plain.overview.material.clone_from(&plain.overview.color);
         let colored = plain.clone();
-        plain.overview.color = None;
+        (plain.overview.color, plain.overview.material) = (None, None);
         let standard = Requirement::read("standard").unwrap();
         let count = |level: LevelFigures| figures(vec![level]).evaluate(&standard).len();
         assert_eq!((count(plain.clone()), count(colored.clone())), (6, 10));

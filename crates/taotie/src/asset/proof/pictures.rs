@@ -228,10 +228,10 @@ fn in_grey(scene: Scene, opacity: Opacity) -> Result<Scene> {
         *mesh = Mesh::new(MeshData { colors: Vec::new(), ..std::mem::take(mesh).into_data() })?;
     }
     for material in &mut data.materials {
-        let Material { normal, height, double_sided, alpha, base_color: [.., alone], .. } = *material;
+        let Material { normal, height, double_sided, alpha, base_color: [.., opaque], .. } = *material;
         let mut grey = Material { normal, height, double_sided, ..neutral() };
         if opacity == Opacity::OfMaterials && material.base_color_texture.is_none() {
-            (grey.alpha, grey.base_color[3]) = (alpha, alone);
+            (grey.alpha, grey.base_color[3]) = (alpha, opaque);
         }
         *material = grey;
     }

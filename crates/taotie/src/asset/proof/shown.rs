@@ -100,7 +100,7 @@ impl<'a> ShownLevel<'a> {
         self.scan.sorted()
     }
 
-    /// Returns what is compared in addition to normals.
+    /// Returns the properties that are compared in addition to normals.
     pub fn properties(&self) -> Properties {
         Properties::of(self.has_material, &self.surface)
     }

@@ -437,7 +437,7 @@ mod tests {
         let angle = |i: u32| if i < 99 { (i + 1) as f32 * 0.01 } else { 20.0 };
         let angles: Vec<f32> = (0..1_000_000).map(|i| angle(i / 10_000)).collect();
         let colors = angles.iter().map(|v| v * 2.0).collect();
-        PixelDifferences { colors, angles, materials: vec![0.0], missing: 0.0 }
+        PixelDifferences { colors, angles, materials: vec![0.0], missing: 0.0, across: 512.0 }
     }
 
     #[test]

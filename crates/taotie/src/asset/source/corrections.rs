@@ -13,7 +13,7 @@ use taotie_engine::names::Named;
 use taotie_engine::parallel;
 use taotie_engine::scene::{GreenChannel, Material, NormalMap, NormalSpace, Scene, SceneData};
 use taotie_engine::surface::{
-    Bends, GreenVerdict, MODELLED_CREASE_DEG, Opposed, facet_normal, looks_scanned, with_hard_edges,
+    Bends, GreenVerdict, MODELLED_CREASE_DEG, Opposed, facet_normal, looks_scanned,
 };
 
 /// How a scan is read if its file is ambiguous. Built by `Default` and struct update.
@@ -364,20 +364,6 @@ fn compute_normals(parts: &mut SceneData, options: &ScanOptions, warnings: &mut 
         outcome.smoothed += usize::from(has_facets && parts.meshes[i].normals().is_empty());
     }
     outcome.note(options, parts, warnings);
-    Ok(())
-}
-
-/// Splits the normals of modelled meshes that have none at hard edges, as a bake does.
-pub(crate) fn keep_hard_edges(scene: &mut Scene) -> Result<()> {
-    if scene.meshes().iter().all(|mesh| !mesh.normals().is_empty()) {
-        return Ok(());
-    }
-    let mut data = std::mem::take(scene).into_data();
-    let is_mapped = mapped(&data);
-    for (mesh, _) in data.meshes.iter_mut().zip(is_mapped).filter(|(_, is_mapped)| !is_mapped) {
-        *mesh = with_hard_edges(std::mem::take(mesh))?;
-    }
-    *scene = Scene::new(data)?;
     Ok(())
 }
 

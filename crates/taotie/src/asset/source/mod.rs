@@ -11,7 +11,6 @@ mod material;
 mod scan;
 mod size;
 
-pub(crate) use corrections::keep_hard_edges;
 pub use corrections::{ScanOptions, into_metres};
 pub(super) use corrections::{from_metres, root_scale, turned};
 pub(super) use extent::{Extent, Spot, Whole};
