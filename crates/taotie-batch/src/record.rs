@@ -13,7 +13,7 @@ use taotie_photometric::input_files;
 
 /// The version of records and of the figures they are judged by. Assets whose record or figures have a different
 /// version are judged again.
-pub const SCHEMA: u32 = 5;
+pub const SCHEMA: u32 = 6;
 
 /// The kind of an asset with its proof.
 pub const ASSET: &str = "asset";

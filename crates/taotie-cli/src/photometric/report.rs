@@ -16,7 +16,7 @@ use taotie_photometric::{Anchoring, Coverage, Estimate, Estimator, Outline, Regi
 use taotie_report::table::summary_text;
 
 /// Version of the JSON.
-const SCHEMA: u32 = 1;
+const SCHEMA: u32 = 2;
 
 /// The lights that the text lists.
 const WORST: usize = 3;

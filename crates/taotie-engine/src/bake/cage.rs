@@ -7,10 +7,11 @@ use super::texel_surface::UvIndex;
 use crate::error::{Error, Result};
 use crate::image::Texture;
 use crate::math::{Vec3, integration};
-use crate::mesh::{Mesh, Point, blend, each, sample_area, triangle_weights};
+use crate::mesh::{Mesh, MeshData, Point, blend, each, sample_area, triangle_weights};
 use crate::parallel;
 use crate::surface;
 use crate::trace::Bvh;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -154,7 +155,7 @@ impl Cage {
 
     /// The same for a mesh whose triangles show only the objects of their groups.
     pub fn automatic_in(low: &Mesh, scan: &Scan, groups: Option<Arc<CageGroups>>) -> Self {
-        let directions = directions(low);
+        let directions = directions(low, groups.as_deref());
         let diagonal = low.diagonal();
         let search = GapSearch { low, directions: &directions, scan, diagonal, groups: groups.as_deref() };
         let evidence = parallel::collect(low.triangles().len(), |t| search.examine(t));
@@ -208,15 +209,23 @@ impl Cage {
     /// # Errors
     /// [`Error::Invalid`] if it is not above 0 and finite.
     pub fn uniform(low: &Mesh, distance: f32) -> Result<Self> {
+        Self::uniform_in(low, distance, None)
+    }
+
+    /// The same for a mesh whose triangles show only the objects of their groups.
+    ///
+    /// # Errors
+    /// As [`Cage::uniform`].
+    pub fn uniform_in(low: &Mesh, distance: f32, groups: Option<Arc<CageGroups>>) -> Result<Self> {
         if !(distance > 0.0 && distance.is_finite()) {
             return Err(Error::invalid(
                 format!("a ray distance of {distance}"),
                 "use a value in model units above 0, or `auto`",
             ));
         }
-        let directions = directions(low);
+        let directions = directions(low, groups.as_deref());
         let distances = vec![distance; directions.len()];
-        Ok(Self::new(directions, distances))
+        Ok(Self::new(directions, distances).with_groups(groups))
     }
 
     /// Makes a cage from a cage mesh: the low-poly mesh with its vertices moved outward and its triangles in the same
@@ -357,8 +366,37 @@ impl RayPreview {
 }
 
 /// Returns the mean of all vertex normals at each vertex's position; if they cancel out or are missing, the mean of
-/// the triangle normals around it.
-fn directions(low: &Mesh) -> Vec<Vec3> {
+/// the triangle normals around it. Parts of different groups that touch are separate.
+fn directions(low: &Mesh, groups: Option<&CageGroups>) -> Vec<Vec3> {
+    let mut of_groups: BTreeMap<Option<u32>, Vec<[u32; 3]>> = BTreeMap::new();
+    for (triangle, group) in low.triangles().iter().zip(groups.iter().flat_map(|groups| &groups.of_triangle))
+    {
+        of_groups.entry(*group).or_default().push(*triangle);
+    }
+    let mut all = joint_directions(low);
+    if of_groups.len() > 1 {
+        for triangles in of_groups.into_values() {
+            let used: Vec<u32> =
+                BTreeSet::from_iter(triangles.as_flattened().iter().copied()).into_iter().collect();
+            let of = |all: &[Vec3]| used.iter().filter_map(|v| all.get(*v as usize).copied()).collect();
+            let number = |v: u32| used.partition_point(|own| *own < v) as u32;
+            let triangles = triangles.into_iter().map(|triangle| triangle.map(number)).collect();
+            let part = MeshData {
+                positions: of(low.positions()),
+                normals: of(low.normals()),
+                triangles,
+                ..MeshData::default()
+            };
+            // A part of a valid mesh is valid.
+            let own = Mesh::new(part).map_or_else(|_| Vec::new(), |part| joint_directions(&part));
+            used.iter().zip(own).for_each(|(v, direction)| all[*v as usize] = direction);
+        }
+    }
+    all
+}
+
+/// Returns the same of one part.
+fn joint_directions(low: &Mesh) -> Vec<Vec3> {
     let around = surface::vertex_normals(low);
     if low.normals().is_empty() {
         return around;
@@ -440,4 +478,30 @@ enum Gap {
     /// Only at this distance of its closest point, model units.
     Closest(f32),
     None,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_of_different_groups_do_not_bend_the_rays_of_one_another() {
+        let corners = [Vec3::new(0.0, 0.0, 0.0), Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0)];
+        let [up, aside] = [Vec3::new(0.0, 0.0, 1.0), Vec3::new(0.0, 1.0, 0.0)];
+        let low = Mesh::new(MeshData {
+            positions: [corners, corners].concat(),
+            normals: [[up; 3], [aside; 3]].concat(),
+            triangles: vec![[0, 1, 2], [3, 4, 5]],
+            ..MeshData::default()
+        })
+        .expect("it is valid");
+        let along = |of_triangle: [Option<u32>; 2]| {
+            let groups = CageGroups { of_triangle: of_triangle.to_vec(), of_object: Arc::new([]) };
+            directions(&low, Some(&groups))
+        };
+        let joint = (up + aside).normalize();
+        assert!(along([Some(0); 2]).iter().all(|found| (*found - joint).length() < 1e-6));
+        assert_eq!(along([Some(0), Some(1)]), [[up; 3], [aside; 3]].concat());
+        assert_eq!(along([Some(0), None]), [[up; 3], [aside; 3]].concat());
+    }
 }

@@ -353,9 +353,10 @@ impl Job<'_> {
         let seen = self.seen(projections);
         for ((sample, projection), found) in group.samples.iter().zip(projections).zip(found) {
             let cell = &mut cells.surfaces[sample.texel as usize];
-            self.add_frame(group.point(sample), cell);
+            let point = group.point(sample);
+            self.add_frame(point, cell);
             cell.edges += u32::from(edges.as_ref().is_some_and(|edges| edges.is_near(sample)));
-            let Some(found) = self.found(projection, found, cell) else { continue };
+            let Some(found) = self.found((point, projection), found, cell) else { continue };
             self.add(&found, width, cell);
             if let Some(sums) = cells.materials.get_mut(sample.texel as usize) {
                 let mode = self.alpha_modes[group.triangle as usize];
@@ -395,10 +396,10 @@ impl Job<'_> {
     }
 
     /// Returns the correspondence of a sample: the intersection of its projection ray, else the closest point of the
-    /// scan.
+    /// scan. Without either, the low-poly mesh shows its own normal.
     fn found(
         &self,
-        projection: &ProjectionRay<'_>,
+        (point, projection): (Point, &ProjectionRay<'_>),
         met: Option<Correspondence>,
         cell: &mut Cell,
     ) -> Option<Correspondence> {
@@ -408,8 +409,9 @@ impl Job<'_> {
         });
         if found.is_none() {
             cell.lost += 1;
-            cell.normal += projection.direction;
-            cell.bent += projection.direction;
+            let normal = point.normal(self.layout.mesh);
+            cell.normal += normal;
+            cell.bent += normal;
         }
         found
     }

@@ -146,7 +146,7 @@ impl<'a> Viewer<'a> {
             let found = Difference::between(&of_scan, &of_asset, self.pair.properties);
             let Difference { angle_deg, color, emission, material, is_hidden } = found;
             let looks = [&of_scan, &of_asset];
-            let has_color = self.pair.properties == Properties::All;
+            let has_color = matches!(self.pair.properties, Properties::Colors | Properties::All);
             sample = SurfaceSample {
                 angle_deg,
                 color,

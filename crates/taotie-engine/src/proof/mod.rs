@@ -61,17 +61,21 @@ pub enum Properties {
     None,
     /// Opacity: the scan is as plain, and the asset may let it show through.
     Opacity,
+    /// Colours and metallic: the scan's file states no roughness, and a coloured surface without a material is shown as a
+    /// dielectric.
+    Colors,
     /// Colours and materials.
     All,
 }
 
 impl Properties {
-    /// Returns the properties to compare with a scan that specifies colours or materials, or not.
-    pub fn of(has_material: bool, asset: &Scan) -> Self {
-        match has_material {
-            true => Self::All,
-            false if asset.surface().is_blended() => Self::Opacity,
-            false => Self::None,
+    /// Returns the properties to compare with a scan that has colours or materials, and states materials, or not.
+    pub fn of([has_color, has_material]: [bool; 2], asset: &Scan) -> Self {
+        match (has_color, has_material) {
+            (true, true) => Self::All,
+            (true, false) => Self::Colors,
+            (false, _) if asset.surface().is_blended() => Self::Opacity,
+            (false, _) => Self::None,
         }
     }
 }
@@ -221,7 +225,7 @@ impl Difference {
                 let opacity = (scan.shade().opacity - asset.shade().opacity).abs();
                 return Self { color: opacity * TRANSPARENT as f32, ..normals };
             }
-            Properties::All => (),
+            Properties::Colors | Properties::All => (),
         }
         let off =
             |of: fn(&Look) -> f32| (of(scan) / scan.samples as f32 - of(asset) / asset.samples as f32).abs();
@@ -232,7 +236,10 @@ impl Difference {
         Self {
             color: seen.difference(shown) as f32,
             emission: if is_lit { light_difference(seen.light, shown.light) as f32 } else { f32::NAN },
-            material: off(|look| look.metallic).max(off(|look| look.roughness)).max(occlusion),
+            material: match properties {
+                Properties::Colors => off(|look| look.metallic),
+                _ => off(|look| look.metallic).max(off(|look| look.roughness)).max(occlusion),
+            },
             ..normals
         }
     }

@@ -1,7 +1,7 @@
 //! Given low-poly meshes: rays meet where parts meet, detail that floats above them is baked, and what their files leave
 //! unsaid comes from the scan.
 
-use crate::pairs::{direction, grid, is_sound, joined, onto, proof, scan_of};
+use crate::pairs::{ball, direction, grid, is_bad, is_sound, joined, onto, proof, scan_of, scene_of};
 use std::sync::Arc;
 use taotie::asset::{Asset, BakeOptions, Baker, MeshSource, Requirement, Scan};
 use taotie_engine::Progress;
@@ -131,4 +131,65 @@ fn new_uvs_keep_the_sides_and_bake_the_colors() {
     let scan = Scan::from_scene(scene, Progress::SILENT).unwrap();
     let options = BakeOptions { low: Some(MeshSource::File(path)), new_uvs: true, ..BakeOptions::default() };
     is_sound(&baked(&scan, options), &scan);
+}
+
+/// Rays of a hard edge lean over: where they meet nothing, the mesh shows its own normal, not theirs.
+#[test]
+fn a_wall_without_a_scan_keeps_its_normal() {
+    let mut high = walls(false);
+    high.uvs.clear();
+    high.positions.iter_mut().for_each(|p| *p = *p * 1.02);
+    high.triangles.drain(..2);
+    let low = Some(mesh(walls(false)));
+    let ray_distance = taotie::asset::RayDistance::Uniform(0.05);
+    let asset = baked(&scan_of(high), BakeOptions { low, ray_distance, ..BakeOptions::default() });
+    let scene = scene_of(&asset);
+    let normal = scene.materials()[0].normal.unwrap();
+    let bitmap = scene.textures()[normal.texture.texture].bitmap();
+    // Within the island of the first wall.
+    let (mut most, side) = (0.0_f32, bitmap.width());
+    for (x, y) in (side / 5..4 * side / 5).flat_map(|y| (side / 16..side / 6).map(move |x| (x, y))) {
+        let [x, y, ..] = bitmap.stored((y * side + x) as usize).map(|v| 2.0 * v - 1.0);
+        most = most.max(x.hypot(y));
+    }
+    assert!(most < 0.01, "{most}");
+}
+
+/// A coloured PLY file states no roughness, and is shown as a dielectric.
+#[test]
+fn a_coloured_file_without_a_material_states_no_roughness() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scan.ply");
+    let ball = ball([48, 24], |_, _| 0.0);
+    let colors: Vec<[f32; 4]> =
+        ball.positions.iter().map(|p| [0.5 + 0.4 * p.x, 0.5 + 0.4 * p.y, 0.3, 1.0]).collect();
+    let srgb = |v: f32| (taotie_engine::math::srgb::srgb_from_linear(v.into()) * 255.0 + 0.5) as u8;
+    let mut text = format!(
+        "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\n\
+         property uchar green\nproperty uchar blue\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
+        ball.positions.len(),
+        ball.triangles.len()
+    );
+    for (p, [r, g, b, _]) in ball.positions.iter().zip(&colors) {
+        text += &format!("{} {} {} {} {} {}\n", p.x, p.y, p.z, srgb(*r), srgb(*g), srgb(*b));
+    }
+    ball.triangles.iter().for_each(|[a, b, c]| text += &format!("3 {a} {b} {c}\n"));
+    std::fs::write(&path, text).unwrap();
+    let scan = Scan::read(&path, &taotie::Limits::default(), Progress::SILENT).unwrap();
+    let asset = |metallic: f32, roughness: f32| {
+        let material = Material { base_color: [1.0; 4], metallic, roughness, ..Material::default() };
+        let data = MeshData { colors: colors.clone(), ..scan.mesh().clone().into_data() };
+        Scene::of_mesh(Mesh::new(data).unwrap(), material).unwrap()
+    };
+    is_sound(&asset(0.0, 0.6), &scan);
+    is_sound(&asset(0.0, 0.2), &scan);
+    is_bad(&asset(1.0, 0.6), &scan, (&["mean-material"], "metal"));
+    // Onto a mesh whose material is glTF's default, a rough metal.
+    let low = Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default_of_gltf()).unwrap();
+    let file = folder.path().join("low.glb");
+    write_scene(&file, &low, &GltfFormat::default()).unwrap();
+    let baked = baked(&scan, BakeOptions { low: Some(MeshSource::File(file)), ..BakeOptions::default() });
+    let shown = scene_of(&baked);
+    let material = &shown.materials()[0];
+    assert_eq!((material.metallic, material.roughness), (0.0, 0.6));
 }

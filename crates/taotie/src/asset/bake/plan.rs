@@ -49,7 +49,22 @@ impl BakePlan {
             let pair = Pair { scan, low };
             plan.add(found, pair.fate(found, &plan.options));
         }
+        plan.replace_default_metal(scan, low);
         plan
+    }
+
+    /// Replaces the default of glTF, a rough metal, by that of other formats, if the scan has colours and states no other
+    /// property: such a scan is shown as a dielectric.
+    fn replace_default_metal(&mut self, scan: &Carried, low: &[LowLook<'_>]) {
+        let property = Property::MetallicRoughness;
+        let is_stated = scan.found.is_empty() || scan.found.iter().any(|found| found.property == property);
+        let is_baked =
+            self.options.bakes(&[MapKind::Roughness]) || self.options.bakes(&[MapKind::MetallicRoughness]);
+        let is_free = !low.is_empty() && low.iter().all(|low| low.is_free(property));
+        if self.options.carry && is_free && !is_stated && !is_baked {
+            self.carried.push(property);
+            self.factors.push(property);
+        }
     }
 
     fn add(&mut self, found: &Found, fate: Fate) {

@@ -17,7 +17,7 @@ use taotie_engine::surface::Noise;
 use taotie_io::CodecKind;
 
 /// The version of the report: of its layout and of the meaning of its figures.
-const SCHEMA: u32 = 10;
+const SCHEMA: u32 = 11;
 
 /// The complete report of a bake. The caller fills in what it knows, such as figures and times.
 ///

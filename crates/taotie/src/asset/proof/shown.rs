@@ -102,7 +102,7 @@ impl<'a> ShownLevel<'a> {
 
     /// Returns the properties that are compared in addition to normals.
     pub fn properties(&self) -> Properties {
-        Properties::of(self.has_material, &self.surface)
+        Properties::of([self.has_material, self.scan.about.states_material], &self.surface)
     }
 
     /// Returns `true` if the scan specifies colours or materials, but the asset shows the default of its format.

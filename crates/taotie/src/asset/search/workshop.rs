@@ -394,7 +394,8 @@ impl<'a> Workshop<'a> {
     {
         let scan = self.subject.side;
         let diagonal = scan.surface.mesh().diagonal() as f32;
-        let properties = Properties::of(self.has_material, asset.surface);
+        let states = self.subject.scan.about.states_material;
+        let properties = Properties::of([self.has_material, states], asset.surface);
         proof::Pair { scan, asset, diagonal, properties }
     }
 

@@ -335,6 +335,7 @@ impl Shape {
     fn hindrance(&self, options: &BakeOptions) -> Option<(String, &'static str)> {
         let what = match self.moving {
             Some(moving) => format!("a low-poly mesh with {moving}"),
+            None if self.instances == 1 => "a low-poly mesh that a node places".to_owned(),
             None if self.materials == 1 => format!("a low-poly mesh with {} parts", self.instances),
             None => format!("a low-poly mesh with {} materials", self.materials),
         };

@@ -460,7 +460,7 @@ impl Rays {
         let cage = match &self.length {
             RayLength::Auto => Cage::automatic_in(shape, scan.sorted(), groups),
             RayLength::Uniform(distance) => {
-                let cage = Cage::uniform(shape, *distance as f32)?.with_groups(groups);
+                let cage = Cage::uniform_in(shape, *distance as f32, groups)?;
                 if is_corrected { cage.straightened(shape, scan.sorted()) } else { cage }
             }
             RayLength::Cage(cage) => {

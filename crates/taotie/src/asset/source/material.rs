@@ -280,6 +280,11 @@ impl Property {
     }
 }
 
+/// Returns `true` if a material differs from the default in metallic or roughness.
+pub(super) fn has_finish(scene: &Scene) -> bool {
+    used_materials(scene).any(|material| Property::MetallicRoughness.is_said(material))
+}
+
 /// Returns `true` if a scene specifies no colour and no material: no vertex colours, and materials that are the
 /// default of their format, except for their relief.
 pub(in crate::asset) fn is_plain(scene: &Scene) -> bool {

@@ -6,10 +6,10 @@ use super::corrections::{
     FileUnit, ScanOptions, added_vertices, check_rounding, corrected, has_green_down, into_metres,
     to_one_unit,
 };
-use super::material::{Carried, is_plain};
+use super::material::{Carried, has_finish, is_plain};
 use super::size::{
-    ModelFile, ScanSize, all_files, check_distinct, check_extent, first_of, left_of_scan_file, named_by_file,
-    sizes, stated_unit,
+    ModelFile, ScanSize, all_files, check_distinct, check_extent, first_of, is_gltf, left_of_scan_file,
+    named_by_file, sizes, stated_unit,
 };
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
@@ -42,8 +42,9 @@ pub(in crate::asset) struct About {
     pub objects: Objects,
     /// `true` if it specifies no colour and no material.
     pub is_plain: bool,
-    /// `true` if its only file has animations, skins, morph targets or material variants, none of which a baked asset
-    /// has.
+    /// `true` if a file states roughness, as glTF does, or it is in memory.
+    pub states_material: bool,
+    /// `true` if its only file has animations, skins, morph targets or variants, which a baked asset lacks.
     pub is_rigged: bool,
     /// Why its only file can have only one level of detail if it is packed: motion, or its own levels.
     pub one_level: Option<&'static str>,
@@ -69,6 +70,7 @@ impl About {
             carried,
             objects: Objects::default(),
             is_plain: is_plain(scene),
+            states_material: true,
             is_rigged: false,
             one_level: None,
             options: ScanOptions::default(),
@@ -218,8 +220,7 @@ impl ScanFile {
         Used { memory: Bytes(size.mesh_bytes()), triangles: size.triangles }
     }
 
-    /// Converts the content that was read from `path`; all its instances form one scan. A model that is already
-    /// loaded thus need not be read again.
+    /// Converts the content that was read from `path`, which is not read again; all its instances form one scan.
     ///
     /// ```no_run
     /// use taotie::Progress;
@@ -242,10 +243,10 @@ impl ScanFile {
         let bytes = sizes(&files)?;
         check_extent(&loaded.scene, &model.path.display().to_string())?;
         left_of_scan_file(&mut loaded);
-        let is_rigged = loaded.rig.is_some() || !loaded.variants.names().is_empty();
         let about = About {
-            is_rigged,
+            is_rigged: loaded.rig.is_some() || !loaded.variants.names().is_empty(),
             is_edited: loaded.is_edited,
+            states_material: loaded.is_edited || is_gltf(loaded.format) || has_finish(&loaded.scene),
             one_level: loaded.moving.or((loaded.levels > 1).then_some("its own levels")),
             models: vec![model],
             files,
@@ -302,8 +303,7 @@ impl ScanFile {
         &self.scene
     }
 
-    /// Returns the unit of the scan's coordinates: that of [`ScanOptions`], else the metre of a glTF file; `None` if
-    /// unknown.
+    /// Returns the unit of the coordinates: that of [`ScanOptions`], or a glTF file's metre; `None` if unknown.
     pub fn unit(&self) -> Option<Unit> {
         self.about.unit()
     }
@@ -556,6 +556,7 @@ fn join(mut files: Vec<ScanFile>, options: ScanOptions) -> Result<ScanFile> {
     });
     let objects = Objects::of_all(objects);
     let copyright = rights(&files);
+    let states_material = files.iter().any(|file| file.about.states_material);
     let is_in_memory = files.iter().any(|file| file.about.models.is_empty());
     let (mut parts, mut warnings) = (SceneData::default(), Warnings::default());
     let (mut models, mut others, mut packets) = (Vec::new(), Vec::new(), Vec::new());
@@ -572,9 +573,7 @@ fn join(mut files: Vec<ScanFile>, options: ScanOptions) -> Result<ScanFile> {
     let scene = Scene::new(parts)?;
     check_extent(&scene, "the scan")?;
     let files = first_of(models.iter().map(|model| model.path.clone()).collect(), others);
-    if is_in_memory {
-        models.clear();
-    }
+    models.retain(|_| !is_in_memory);
     let about = About {
         bytes: sizes(&files)?,
         models,
@@ -583,6 +582,7 @@ fn join(mut files: Vec<ScanFile>, options: ScanOptions) -> Result<ScanFile> {
         xmp: packets.into_iter().next(),
         warnings,
         objects,
+        states_material,
         options: ScanOptions { unit, ..options },
         ..About::of(&scene)
     };
