@@ -91,6 +91,18 @@ def test_files_are_those_of_the_command(folder: Path, tmp_path: Path, run: Calla
     assert tt.load(tmp_path / "package" / "relief.glb").triangles > 4000
 
 
+def test_colours_and_units_are_those_of_the_photographs(folder: Path, tmp_path: Path) -> None:
+    found = tt.photometric(folder, pixel_size=0.5, unit="mm")
+    assert found.color.shape == (48, 48, 3) and np.allclose(found.color.mean(axis=2), found.albedo, rtol=1e-4)
+    assert np.allclose(found.color / found.albedo[..., None], np.array([1.0, 0.7, 0.4]) / 0.7, atol=0.02)
+    found.save(tmp_path / "out")
+    for name, width in (("relief", 47), ("plane", 48)):
+        bounds = tt.load(tmp_path / "out" / f"{name}.glb").bounds
+        assert np.isclose(bounds[1, 0] - bounds[0, 0], width * 0.5e-3, rtol=1e-4), name
+    with Pillow.open(tmp_path / "out" / "base_color.png") as image:
+        assert image.mode == "RGB"
+
+
 def test_wrong_arguments_are_named(photographs: Any, folder: Path, tmp_path: Path) -> None:
     images, lights, _ = photographs
     for kind, words, call in [
@@ -107,6 +119,8 @@ def test_wrong_arguments_are_named(photographs: Any, folder: Path, tmp_path: Pat
         (tt.InvalidValue, "empty mask", lambda: tt.photometric(images, lights=lights, mask=np.zeros((48, 48), bool))),
         (tt.InvalidValue, "mask.*path", lambda: tt.photometric(folder, mask=np.ones((48, 48), bool))),
         (tt.InvalidValue, "encoding 'gamma'", lambda: tt.photometric(images, lights=lights, encoding="gamma")),  # type: ignore[arg-type]
+        (tt.InvalidValue, "unit 'mm'.*pixel_size", lambda: tt.photometric(images, lights=lights, unit="mm")),
+        (tt.InvalidValue, "unit 'km'", lambda: tt.photometric(images, lights=lights, pixel_size=1, unit="km")),  # type: ignore[arg-type]
         (tt.InvalidValue, "pixel_size -1", lambda: tt.photometric(images, lights=lights, pixel_size=-1)),
         (tt.InvalidType, "images 3.*a path", lambda: tt.photometric(3, lights=lights)),  # type: ignore[arg-type]
         (tt.InvalidType, "lights", lambda: tt.photometric(images, lights=[["a"] * 3] * 12)),
