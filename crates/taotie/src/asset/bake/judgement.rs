@@ -208,10 +208,15 @@ pub(in crate::asset) fn note_missing_parts(scan: &Scan, low: &Mesh, is_made: boo
 
 /// Returns a warning if a normal map does not reduce the normal error, given the angles with and without it, degrees.
 pub(in crate::asset) fn useless_map(with: &Summary, without: &Summary) -> Option<String> {
+    /// The largest mean error, degrees, that rounding to 8 bits explains.
+    const ROUNDED: f64 = 0.4;
+    let cause = match with.mean < ROUNDED {
+        true => "the scan has no relief that the mesh lacks, and the map adds rounding",
+        false => "check the direction of its green channel, the uvs and the ray distance",
+    };
     (with.mean >= without.mean).then(|| {
         format!(
-            "the normal map does not reduce the error: {:.2}° on average with it, {:.2}° without; check the direction of \
-             its green channel, the uvs and the ray distance",
+            "the normal map does not reduce the error: {:.2}° on average with it, {:.2}° without; {cause}",
             with.mean, without.mean
         )
     })

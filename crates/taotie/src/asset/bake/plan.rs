@@ -53,8 +53,8 @@ impl BakePlan {
         plan
     }
 
-    /// Replaces the default of glTF, a rough metal, by that of other formats, if the scan has colours and states no other
-    /// property: such a scan is shown as a dielectric.
+    /// Replaces the default of glTF, a rough metal, by that of other formats, if the scan has colours or other properties, and
+    /// metallic and roughness have their defaults: such a scan is shown as a dielectric.
     fn replace_default_metal(&mut self, scan: &Carried, low: &[LowLook<'_>]) {
         let property = Property::MetallicRoughness;
         let is_stated = scan.found.is_empty() || scan.found.iter().any(|found| found.property == property);

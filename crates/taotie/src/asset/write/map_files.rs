@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use taotie_engine::bake::{MapContent, MapKind};
 use taotie_engine::error::{Error, Result, Warnings};
-use taotie_engine::image::{Bitmap, Encoding, Sampler, TexelFilter, Texels, Texture};
+use taotie_engine::image::{Bitmap, Encoding, Sampler, TexelFilter, Texels, Texture, Wrap};
 use taotie_engine::math::srgb::{linear_from_srgb, srgb_from_linear};
 use taotie_engine::math::{Vec2, Vec3};
 use taotie_engine::names::Named;
@@ -443,16 +443,20 @@ impl StoredValues {
         Self { texture, meaning, origin: Vec3::new(x, y, z), green, labels, packed, brightest }
     }
 
-    /// Returns the value at a uv, as a renderer filters it; for labels the number of the nearest texel's in all components,
+    /// Returns the value at a uv, as a renderer filters it, without those across the map's border; for labels the number of the nearest texel's in all components,
     /// −1 for the colour of none; of a packed channel, its value in all components.
     pub fn at(&self, uv: Vec2) -> Vec3 {
+        // Assets whose uvs are within the map clamp them.
+        let is_within = [uv.x, uv.y].iter().all(|v| (0.0..=1.0).contains(v));
+        let wrap = if is_within { Wrap::Clamp } else { Wrap::Repeat };
+        let bilinear = Sampler { wrap_u: wrap, wrap_v: wrap, ..Sampler::BILINEAR };
         if !self.labels.is_empty() {
-            let nearest = Sampler { magnify: TexelFilter::Nearest, ..Sampler::BILINEAR };
+            let nearest = Sampler { magnify: TexelFilter::Nearest, ..bilinear };
             let [r, g, b, _] = nearest.sample(&self.texture, uv, 0.0);
             let color = [r, g, b].map(|code| (code * 255.0).round() as u8);
             return Vec3::splat(self.labels.get(&color).map_or(-1.0, |number| *number as f32));
         }
-        let texel = Sampler::BILINEAR.sample(&self.texture, uv, 0.0);
+        let texel = bilinear.sample(&self.texture, uv, 0.0);
         if let Some((number, map)) = self.packed {
             return Vec3::splat(self.packed_value(texel[number], map));
         }
