@@ -36,7 +36,7 @@ impl Light {
         })
     }
 
-    /// Returns the light as a point sees it, in pixels from the picture's centre; see [`place`].
+    /// Returns the light as a point sees it, in pixels from the picture's centre.
     pub fn at(&self, point: Vec3<f64>) -> Lit {
         match self.position {
             None => Lit { direction: self.direction, falloff: 1.0 },
