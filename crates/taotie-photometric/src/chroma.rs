@@ -1,23 +1,11 @@
 //! The colour of each pixel. Normals are estimated from grey; for the colour, photographs are read again.
 
+use crate::estimate::{Estimate, PixelEstimate};
+use crate::relight::BATCH;
 use crate::samples::Samples;
 use taotie_engine::error::Result;
-use taotie_engine::math::Vec3;
 use taotie_engine::{Progress, parallel};
 
-/// A matt surface that samples are compared with.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Matt {
-    /// Unit normal.
-    pub normal: Vec3<f64>,
-    /// The grey under light along the normal.
-    pub albedo: f64,
-    /// Standard deviation of the residuals, relative to the albedo.
-    pub residual: f64,
-}
-
-/// Photographs that are decoded at the same time.
-const BATCH: usize = 4;
 /// Pixels of a task.
 const PART: usize = 4096;
 /// n · l below which a sample does not count.
@@ -28,30 +16,33 @@ const CUT: f64 = 3.0;
 /// The least such difference, relative to the albedo.
 const LEAST: f64 = 0.05;
 
-/// Returns red, green and blue of each pixel relative to their mean, which is 1: of the light that its samples reflect
-/// like a matt surface. Empty if the photographs are grey.
-///
-/// # Errors
-/// Those of reading photographs, [`taotie_engine::Error::Cancelled`].
-pub fn chroma(samples: &Samples, matt: &[Option<Matt>], progress: Progress<'_>) -> Result<Vec<[f32; 3]>> {
-    let mut sums = vec![[0.0; 3]; matt.len()];
-    let count = samples.images.len();
-    for first in (0..count).step_by(BATCH) {
-        progress.at(first as f64 / count as f64)?;
-        let read = parallel::try_tasks(BATCH.min(count - first), &|i| samples.colors(first + i))?;
-        let Some(read) = read.into_iter().collect::<Option<Vec<_>>>() else { return Ok(Vec::new()) };
-        parallel::pieces(&mut sums, PART, &|part, sums| {
-            for (i, sums) in sums.iter_mut().enumerate() {
-                let i = part * PART + i;
-                let Some(matt) = &matt[i] else { continue };
-                for (k, colors) in read.iter().enumerate() {
-                    let weight = samples.weight(first + k, i, matt);
-                    sums.iter_mut().zip(colors[i]).for_each(|(sum, v)| *sum += weight * f64::from(v));
+impl Estimate {
+    /// Returns the estimate with the colour of each pixel: of the light that its samples reflect like a matt surface. None is
+    /// added if the photographs are grey.
+    ///
+    /// # Errors
+    /// Those of reading photographs, [`taotie_engine::Error::Cancelled`].
+    pub(crate) fn with_chroma(mut self, samples: &Samples, progress: Progress<'_>) -> Result<Self> {
+        let mut sums = vec![[0.0; 3]; self.best.len()];
+        let count = samples.images.len();
+        for first in (0..count).step_by(BATCH) {
+            progress.at(first as f64 / count as f64)?;
+            let read = parallel::try_tasks(BATCH.min(count - first), &|i| samples.colors(first + i))?;
+            let Some(read) = read.into_iter().collect::<Option<Vec<_>>>() else { return Ok(self) };
+            parallel::pieces(&mut sums, PART, &|part, sums| {
+                for (i, sums) in sums.iter_mut().enumerate() {
+                    let i = part * PART + i;
+                    let Some(best) = &self.best[i] else { continue };
+                    for (k, colors) in read.iter().enumerate() {
+                        let weight = samples.weight(first + k, i, best);
+                        sums.iter_mut().zip(colors[i]).for_each(|(sum, v)| *sum += weight * f64::from(v));
+                    }
                 }
-            }
-        });
+            });
+        }
+        self.chroma = parallel::collect(sums.len(), |i| relative(sums[i]));
+        Ok(self)
     }
-    Ok(parallel::collect(sums.len(), |i| relative(sums[i])))
 }
 
 /// Returns a colour relative to the mean of its channels.
@@ -62,14 +53,14 @@ fn relative(color: [f64; 3]) -> [f32; 3] {
 
 impl Samples {
     /// Returns how much a sample counts for the colour: less the more it differs from a matt surface.
-    fn weight(&self, light: usize, pixel: usize, matt: &Matt) -> f64 {
+    fn weight(&self, light: usize, pixel: usize, best: &PixelEstimate) -> f64 {
         let sample = self.images[light][pixel];
-        let cosine = matt.normal.dot(self.direction(light, pixel));
+        let cosine = best.normal.dot(self.direction(light, pixel));
         if sample.is_saturated() || cosine < GRAZING {
             return 0.0;
         }
-        let difference = f64::from(sample.grey()) - matt.albedo * cosine;
-        let cut = matt.albedo * (CUT * matt.residual).max(LEAST);
+        let difference = f64::from(sample.grey()) - best.albedo * cosine;
+        let cut = best.albedo * (CUT * best.residual).max(LEAST);
         let rest = (1.0 - difference * difference / (cut * cut)).max(0.0);
         rest * rest
     }

@@ -26,9 +26,9 @@ impl Estimate {
         }
         let clipped = self.shadows > 0 && self.albedo >= MOST_ALBEDO * 0.999;
         let what = format!(
-            "shadows are brighter than light between parts of the object makes them, as by stray light in the room: an albedo \
-             of {MOST_ALBEDO} is assumed for bright pixels, so base colours may be too bright, and indirect light is removed \
-             as for it"
+            "shadows are brighter than light between parts of the object explains, as with stray light in the room: bright \
+             pixels are assumed to have an albedo of {MOST_ALBEDO}, so base colours may be too bright and too much indirect \
+             light may be removed"
         );
         warnings.note(what, usize::from(clipped));
         if let Some(curl) = self.curl().filter(|curl| curl.is_negated()) {

@@ -2,7 +2,6 @@
 
 use crate::appearance::Fitting;
 use crate::block::LANES;
-use crate::chroma::{Matt, chroma};
 use crate::finish::FEWEST_LIGHTS;
 use crate::grid::Grid;
 use crate::indirect::{Indirect, quantile};
@@ -90,7 +89,7 @@ pub struct Estimate {
     /// The highlight of each pixel; `None` if it is matt or not fitted.
     pub finishes: Vec<Option<Finish>>,
     /// Red, green and blue of each pixel relative to their mean, which is 1; empty if the photographs are grey.
-    chroma: Vec<[f32; 3]>,
+    pub(crate) chroma: Vec<[f32; 3]>,
 }
 
 /// An estimator of normals.
@@ -143,10 +142,7 @@ impl Estimate {
         if best.iter().all(Option::is_none) {
             return Err(Error::invalid("no pixel has a normal", why_none(samples)));
         }
-        let matt = |PixelEstimate { normal, albedo, residual, .. }| Matt { normal, albedo, residual };
-        let matt: Vec<Option<Matt>> = best.iter().map(|best| best.map(matt)).collect();
-        let chroma = chroma(samples, &matt, progress.begin("color")?)?;
-        Ok(Self {
+        let estimate = Self {
             width: samples.width,
             height: samples.height,
             pixels: samples.pixels.clone(),
@@ -163,8 +159,9 @@ impl Estimate {
             unexplained: indirect.unexplained,
             finishes: surfaces.of_pixels.iter().map(|surface| surface.as_ref()?.finish).collect(),
             regions: surfaces.regions,
-            chroma,
-        })
+            chroma: Vec::new(),
+        };
+        estimate.with_chroma(samples, progress.begin("color")?)
     }
 
     /// Width of the photographs in pixels.

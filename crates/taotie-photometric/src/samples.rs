@@ -154,7 +154,7 @@ impl Samples {
         let lights = set.photographs.iter().map(|photograph| photograph.light.direction).collect();
         let positions = set.photographs.iter().map(|photograph| photograph.light.position).collect();
         let Shape { width, height, bits } = shape;
-        let paths = || set.photographs.iter().map(|photograph| photograph.path.clone()).collect();
+        let paths = set.photographs.iter().map(|photograph| photograph.path.clone());
         Ok(Self {
             width,
             height,
@@ -168,7 +168,7 @@ impl Samples {
             intensities: set.photographs.iter().map(|photograph| photograph.light.intensity).collect(),
             source: match &set.relightable {
                 Some(image) => ColorSource::Relightable(image.clone()),
-                None => ColorSource::Files(paths(), reading.limits),
+                None => ColorSource::Files(paths.collect(), reading.limits),
             },
         })
     }

@@ -92,16 +92,16 @@ impl Output<'_> {
             let codes: Vec<u8> = codes.iter().map(|[code, ..]| *code).collect();
             return self.write_grey(name, &codes, Encoding::Srgb);
         }
-        let (width, height) = (self.estimate.width(), self.estimate.height());
-        let samples = PngSamples::U8(codes.as_flattened());
-        let image = PngImage { width, height, color: PngColor::Rgb, samples, encoding: Encoding::Srgb };
-        self.files.write_png(&self.folder.join(name), &image)
+        self.write_codes(name, (PngColor::Rgb, codes.as_flattened()), Encoding::Srgb)
     }
 
     fn write_grey(&self, name: &str, codes: &[u8], encoding: Encoding) -> Result<()> {
+        self.write_codes(name, (PngColor::Grey, codes), encoding)
+    }
+
+    fn write_codes(&self, name: &str, (color, codes): (PngColor, &[u8]), encoding: Encoding) -> Result<()> {
         let (width, height) = (self.estimate.width(), self.estimate.height());
-        let samples = PngSamples::U8(codes);
-        let image = PngImage { width, height, color: PngColor::Grey, samples, encoding };
+        let image = PngImage { width, height, color, samples: PngSamples::U8(codes), encoding };
         self.files.write_png(&self.folder.join(name), &image)
     }
 

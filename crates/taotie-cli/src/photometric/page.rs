@@ -163,7 +163,7 @@ impl PhotometricPage<'_> {
         let pixels = self.albedo.to_vec();
         views.push(View {
             name: "albedo".into(),
-            note: "Brightness without shading, relative to the 99th percentile.".into(),
+            note: "Colour without shading, relative to the 99th percentile.".into(),
             pictures: vec![picture("albedo", "", &Sheet { width, height, pixels })?],
             legend: None,
         });

@@ -59,7 +59,7 @@ pub struct Pair<'a> {
 pub enum Properties {
     /// None: the scan specifies no colours or materials, or the asset's files contain none.
     None,
-    /// Opacity: the scan is as plain, and the asset may let it show through.
+    /// Opacity: the scan specifies no colours or materials, so it is opaque, and the asset is blended.
     Opacity,
     /// Colours and metallic: the scan's file states no roughness, and a coloured surface without a material is shown as a
     /// dielectric.
@@ -69,7 +69,8 @@ pub enum Properties {
 }
 
 impl Properties {
-    /// Returns the properties to compare with a scan that has colours or materials, and states materials, or not.
+    /// Returns the properties to compare, given whether the scan has colours or materials, and whether its file states
+    /// roughness.
     pub fn of([has_color, has_material]: [bool; 2], asset: &Scan) -> Self {
         match (has_color, has_material) {
             (true, true) => Self::All,
@@ -108,8 +109,8 @@ struct Difference {
     color: f32,
     /// CIEDE2000 between the emission; NaN if neither emits noticeable light, or if materials are not compared.
     emission: f32,
-    /// The difference of metallic, of roughness, or of the occlusion that the scan has, whichever is largest, [0, 1]; NaN if
-    /// materials are not compared.
+    /// The difference of metallic, of roughness, or of the occlusion that the scan has, whichever is largest, [0, 1]; of
+    /// metallic only if the scan's file states no roughness. NaN if materials are not compared.
     material: f32,
     /// `true` if most of the asset's samples are unlit, and most of the scan's are lit.
     is_hidden: bool,

@@ -40,8 +40,8 @@ pub struct Overview {
     pub material: Option<Estimate>,
     /// Number of pixels compared.
     pub pixels: usize,
-    /// Pixels across the object: 512, or fewer for a level of detail that is only shown at that size; 4,096 or 32,768 if so
-    /// thin an object, such as wires, fills hardly any pixel otherwise.
+    /// Pixels across the object: 512, or fewer for a level of detail that is only shown at that size; 4,096 or 32,768 if
+    /// the object is so thin, such as wires, that it fills hardly any pixel otherwise.
     pub across: f32,
 }
 
@@ -73,14 +73,16 @@ impl Picture {
         Self { across, count: (whole as f32 * (across / SIDE as f32).min(1.0)).ceil() as usize }
     }
 
-    /// Returns the picture from closer if hardly any pixel shows a surface throughout, as of an object of thin parts.
+    /// Returns a picture from closer if hardly any pixel of a whole object shows a surface throughout, as of thin parts. Levels of
+    /// detail for fewer pixels are judged at their size.
     fn closer(self, filled: usize) -> Option<Self> {
         /// The share of the pixels that must be filled.
         const LEAST: f64 = 1e-3;
         /// The most pixels across an object.
         const MOST: f32 = 32_768.0;
         let closer = Self { across: self.across * 8.0, ..self };
-        (closer.across <= MOST && (filled as f64) < LEAST * self.count as f64).then_some(closer)
+        let is_whole = self.across >= SIDE as f32;
+        (is_whole && closer.across <= MOST && (filled as f64) < LEAST * self.count as f64).then_some(closer)
     }
 
     /// Returns the number of samples along each side of a pixel.

@@ -5,7 +5,9 @@ use super::limits::{
     Failure, KEPT_OF_8_BITS, MAX_TEXELS, MAX_TEXELS_OF_PLAIN, TexelRoom, check_room, check_size, credible,
 };
 use image::metadata::Orientation;
-use image::{DynamicImage, ImageBuffer, ImageDecoder, ImageError, ImageFormat, ImageReader};
+use image::{
+    DynamicImage, ImageBuffer, ImageDecoder, ImageError, ImageFormat, ImageReader, Pixel, Primitive, Rgba,
+};
 use png::{BitDepth, ColorType, Decoder, DecodingError, Transformations};
 use std::borrow::Cow;
 use std::io::Cursor;
@@ -122,16 +124,11 @@ pub(super) fn upright(bitmap: Bitmap, bytes: &[u8]) -> Bitmap {
 }
 
 fn turned(bitmap: &Bitmap, orientation: Orientation) -> Option<Bitmap> {
-    let (width, height) = (bitmap.width(), bitmap.height());
     let mut picture = match bitmap.texels() {
-        Texels::U8(texels) => {
-            ImageBuffer::from_raw(width, height, texels.as_flattened().to_vec()).map(DynamicImage::ImageRgba8)
-        }
-        Texels::U16(texels) => ImageBuffer::from_raw(width, height, texels.as_flattened().to_vec())
-            .map(DynamicImage::ImageRgba16),
-        Texels::F32(texels) => ImageBuffer::from_raw(width, height, texels.as_flattened().to_vec())
-            .map(DynamicImage::ImageRgba32F),
-    }?;
+        Texels::U8(texels) => DynamicImage::ImageRgba8(rgba(bitmap, texels)?),
+        Texels::U16(texels) => DynamicImage::ImageRgba16(rgba(bitmap, texels)?),
+        Texels::F32(texels) => DynamicImage::ImageRgba32F(rgba(bitmap, texels)?),
+    };
     picture.apply_orientation(orientation);
     let (width, height) = (picture.width(), picture.height());
     let texels = match &picture {
@@ -141,6 +138,13 @@ fn turned(bitmap: &Bitmap, orientation: Orientation) -> Option<Bitmap> {
         _ => return None,
     };
     Bitmap::new(width, height, bitmap.channels(), texels).ok()
+}
+
+fn rgba<T: Primitive>(bitmap: &Bitmap, texels: &[[T; 4]]) -> Option<ImageBuffer<Rgba<T>, Vec<T>>>
+where
+    Rgba<T>: Pixel<Subpixel = T>,
+{
+    ImageBuffer::from_raw(bitmap.width(), bitmap.height(), texels.as_flattened().to_vec())
 }
 
 fn failure(error: ImageError) -> Failure {

@@ -35,11 +35,7 @@ pub fn read_bitmap(path: &Path) -> Result<Bitmap> {
 /// # Errors
 /// As [`read_bitmap`]; [`Error::Limit`] if a limit is exceeded.
 pub fn read_bitmap_within(path: &Path, limits: &Limits) -> Result<Bitmap> {
-    let reading = Reading::new(path, limits);
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let decoded = decode_within(&reading.read_own(path)?, &name, path, &reading);
-    reading.check()?;
-    decoded
+    read_with_file(path, limits).map(|(bitmap, _)| bitmap)
 }
 
 /// Reads a photograph as [`read_bitmap_within`], turned as its metadata state (EXIF), as viewers show it.
@@ -47,12 +43,17 @@ pub fn read_bitmap_within(path: &Path, limits: &Limits) -> Result<Bitmap> {
 /// # Errors
 /// As [`read_bitmap_within`].
 pub fn read_photograph_within(path: &Path, limits: &Limits) -> Result<Bitmap> {
+    read_with_file(path, limits).map(|(bitmap, file)| decode::upright(bitmap, &file))
+}
+
+/// Reads an image file, and returns its bytes, too.
+fn read_with_file(path: &Path, limits: &Limits) -> Result<(Bitmap, Vec<u8>)> {
     let reading = Reading::new(path, limits);
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let bytes = reading.read_own(path)?;
-    let decoded = decode_within(&bytes, &name, path, &reading);
+    let file = reading.read_own(path)?;
+    let decoded = decode_within(&file, &name, path, &reading);
     reading.check()?;
-    decoded.map(|bitmap| decode::upright(bitmap, &bytes))
+    Ok((decoded?, file))
 }
 
 /// Reads an image that a model refers to, as part of reading the model.

@@ -41,6 +41,11 @@ impl<'a> Accessor<'a> {
         accessor.map_err(|why| format!("accessor {index}: {why}"))
     }
 
+    /// Returns true if its numbers are integers, not floats or codes of them.
+    pub fn holds_integers(&self) -> bool {
+        !self.normalized && self.component != ComponentType::F32
+    }
+
     fn of_supplied(supplied: &'a Supplied, normalized: bool) -> Self {
         let &Supplied { component, width, ref bytes } = supplied;
         Self {

@@ -156,7 +156,7 @@ impl Reader<'_> {
                 let Ok((width, keys)) = self.keys(sampler, &mut budget) else { continue };
                 let is_rotation = others.is_empty();
                 let can_pack = if is_rotation { width == 4 } else { turning.is_empty() && width <= 4 };
-                if can_pack && !self.has_integers(sampler) {
+                if can_pack {
                     found.push(StoredTrack { place: [a, s], is_rotation, width, keys });
                 }
             }
@@ -164,19 +164,16 @@ impl Reader<'_> {
         found
     }
 
-    /// Returns true if the values of a sampler are integers, such as the booleans of KHR_animation_pointer: packed ones would
-    /// be floats.
-    fn has_integers(&self, sampler: &Value) -> bool {
-        let output = number(sampler, "output").and_then(|output| self.document.root.accessors.get(output));
-        let is_float = |of: &Checked<gltf::json::accessor::GenericComponentType>| matches!(of, Checked::Valid(kind) if kind.0 == ComponentType::F32);
-        output.is_some_and(|accessor| !accessor.normalized && !is_float(&accessor.component_type))
-    }
-
     /// Returns the keyframes of a sampler, and the components of a stored element.
     fn keys(&self, sampler: &Value, budget: &mut usize) -> Reason<(usize, Sampler)> {
         let typed: gltf::json::animation::Sampler =
             gltf::json::deserialize::from_value(sampler.clone()).map_err(|e| e.to_string())?;
-        let width = Accessor::open(self.document, typed.output.value())?.width;
+        let output = Accessor::open(self.document, typed.output.value())?;
+        if output.holds_integers() {
+            // Such as the booleans of KHR_animation_pointer: packed ones would be floats.
+            return Err("its values are integers".into());
+        }
+        let width = output.width;
         let before = *budget;
         let keys = keyframes(self.document, &typed, budget)?;
         if !self.document.reading.take(bytes_of(before - *budget, 0)) {

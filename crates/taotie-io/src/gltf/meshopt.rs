@@ -10,6 +10,7 @@
 use crate::reading::Reason;
 use gltf::json::Value;
 use gltf::json::buffer::{Buffer, View};
+use serde_json::Map;
 use std::f64::consts::FRAC_1_SQRT_2;
 
 const NAMES: [&str; 2] = ["KHR_meshopt_compression", "EXT_meshopt_compression"];
@@ -25,8 +26,12 @@ pub(super) fn of_view(view: &View) -> Option<&Value> {
 
 /// Returns `true` if a buffer only holds data that other programs read instead of the packed data, or nothing at all.
 pub(super) fn is_fallback(buffer: &Buffer) -> bool {
-    let Some(extensions) = &buffer.extensions else { return false };
-    let flag = |name| extensions.others.get(name)?.get("fallback")?.as_bool();
+    buffer.extensions.as_ref().is_some_and(|extensions| is_fallback_with(&extensions.others))
+}
+
+/// Returns the same for a buffer with these extensions.
+pub(super) fn is_fallback_with(extensions: &Map<String, Value>) -> bool {
+    let flag = |name| extensions.get(name)?.get("fallback")?.as_bool();
     NAMES.into_iter().find_map(flag).unwrap_or(false)
 }
 

@@ -1,6 +1,7 @@
 //! A glTF file as stored: its source, its GLB container, its JSON with the parts that are not read here, the bytes of
 //! its buffers, its images, not decoded, and the extensions that are supported.
 
+use super::meshopt::is_fallback_with;
 use super::resources::{self, ByteSource, load_buffer};
 use crate::file::sha256_of;
 use crate::json::broken;
@@ -72,7 +73,9 @@ impl RawGltf {
         let mut buffers = Vec::with_capacity(declared.len());
         for (i, buffer) in declared.iter().enumerate() {
             buffers.push(match buffer.get("uri").and_then(Value::as_str) {
-                _ if is_fallback(buffer) => None,
+                _ if buffer.get("extensions").and_then(Value::as_object).is_some_and(is_fallback_with) => {
+                    None
+                }
                 Some(name) => Some(load_buffer(&reading, name, i)?),
                 None if i == 0 => blob.take(),
                 None => None,
@@ -102,14 +105,6 @@ impl RawGltf {
             _ => Ok(None),
         }
     }
-}
-
-/// Returns true for a buffer that only programs without a decoder of meshopt streams read.
-fn is_fallback(buffer: &Value) -> bool {
-    let extensions = buffer.get("extensions").and_then(Value::as_object).into_iter().flatten();
-    extensions
-        .filter(|(name, _)| name.ends_with("_meshopt_compression"))
-        .any(|(_, own)| own["fallback"] == true)
 }
 
 /// Parses the JSON of a document and drops its text.

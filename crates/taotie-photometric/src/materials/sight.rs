@@ -1,8 +1,7 @@
 //! Which texels a photograph shows, lit: by rays towards the camera and the light, from the texel's centre and around it.
 
 use super::frame::{Frame, LampPlace, Projected, Projection};
-use super::model::Model;
-use super::model::Texel;
+use super::model::{Model, Texel};
 use taotie_engine::math::{Mat4, Vec3};
 use taotie_engine::shade::SubPixelVariance;
 

@@ -21,6 +21,7 @@ mod web;
 
 pub use basis::Basis;
 pub use coefficients::Coefficients;
+pub(crate) use colors::BATCH;
 pub use colors::ColorReader;
 pub use format::RelightFormat;
 pub use image::{ColorModel, Relightable, lights_of_relit};

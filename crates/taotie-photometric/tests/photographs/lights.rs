@@ -98,9 +98,10 @@ fn a_list_that_is_off_by_one_is_noticed() {
             let [x, y] = [i % side, i / side].map(|v| f64::from(v) / 5.0);
             let n = Vec3::new(0.5 * scalar::sin(x), 0.5 * scalar::sin(y), 1.0);
             let cosine = n.normalize_or(n).dot(light.direction).max(0.0);
-            [(cosine * 40_000.0) as u16, 0, 0, 0]
+            let code = (cosine * 40_000.0) as u16;
+            [code, code, code, u16::MAX]
         };
-        let texels = (0..side * side).map(texel).map(|[v, ..]| [v, v, v, u16::MAX]);
+        let texels = (0..side * side).map(texel);
         Bitmap::new(side, side, 1, Texels::U16(texels.collect())).unwrap()
     };
     let photographs: Vec<Bitmap> = lights.iter().map(photograph).collect();

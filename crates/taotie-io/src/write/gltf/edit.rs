@@ -156,9 +156,7 @@ pub(super) fn empty_unnamed(json: &mut Value, list: &str, (each, foreign): (Visi
     let Some(empty) = empty.filter(|_| (0..items.len()).any(is_named)) else { return };
     let unnamed = items.iter_mut().enumerate().filter(|(i, _)| !is_named(*i));
     unnamed.for_each(|(_, item)| *item = empty.clone());
-    if !items.is_empty() {
-        json[list] = Value::Array(items);
-    }
+    json[list] = Value::Array(items);
 }
 
 /// Returns the numbers in extensions that are neither known nor about materials, textures or lights: any of them may be that
