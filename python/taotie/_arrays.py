@@ -124,7 +124,7 @@ def _numbers(name: str, values: Any) -> Array:
         raise invalid_type(name, values, f"an array of numbers ({error})") from None
     if array.dtype == object or array.dtype.kind in "USV":
         raise invalid_type(name, values, "an array of numbers, with rows of the same length")
-    return array
+    return array if array.dtype.isnative else array.astype(array.dtype.newbyteorder("="))
 
 
 def _shapes(widths: tuple[int, ...]) -> str:

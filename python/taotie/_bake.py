@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from . import _taotie
 from ._arrays import Array, PathLike, sides
 from ._error import invalid, warn
-from ._model import Model, _from_glb, scan_models, scan_options
+from ._model import Model, _from_glb, scan_models, scan_options, unchanged_file
 from ._model import model as a_model
 from ._options import Codecs, Device, Map, Unit, check, takes
 from ._proof import Proof, VerifyOptions, measured
@@ -526,8 +526,11 @@ def _source(mesh: Any) -> tuple[Any, Any]:
     if isinstance(mesh, (str, os.PathLike)):
         return {"file": os.fspath(mesh)}, None
     model = a_model(mesh)
-    if model.path is not None and os.path.exists(model.path):
-        return {"file": model.path}, None
+    file = unchanged_file(model)
+    if file is not None:
+        return {"file": file}, None
+    if model.path is not None:
+        warn([(f"{model.path} has changed since it was loaded: the mesh in memory is used, without its materials", 1)])
     return None, model._native
 
 

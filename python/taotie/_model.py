@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import tempfile
 from typing import Any, Literal
@@ -36,9 +37,10 @@ class Model:
 
     _native: _taotie.Model
     _path: str | None
+    _stamp: tuple[int, int] | None
 
-    def __init__(self, native: _taotie.Model, path: str | None = None) -> None:
-        self._native, self._path = native, path
+    def __init__(self, native: _taotie.Model, path: str | None = None, stamp: tuple[int, int] | None = None) -> None:
+        self._native, self._path, self._stamp = native, path, stamp
 
     @property
     def path(self) -> str | None:
@@ -196,7 +198,7 @@ class Model:
         return f"<taotie.{type(self).__name__} {name}{self.triangles} triangles>"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _from_glb, (self._native.glb()[0], self._path)
+        return _from_glb, (self._native.glb()[0], self._path, self._stamp, self._native.reading())
 
 
 class Mesh(Model):
@@ -247,13 +249,31 @@ class Mesh(Model):
         super().__init__(native_of_arrays(vertices, faces, normals, uvs, colors, material=material))
 
 
-def _from_glb(data: bytes, path: str | None) -> Model:
+def _from_glb(
+    data: bytes, path: str | None = None, stamp: tuple[int, int] | None = None, reading: str = "{}"
+) -> Model:
     with tempfile.TemporaryDirectory(prefix="taotie-") as folder:
         file = os.path.join(folder, "model.glb")
         with open(file, "wb") as opened:
             opened.write(data)
         with running(None, None) as run:
-            return Model(_taotie.load(file, {"material": a_material(None)._request(), "options": {}}, run).without_file(), path)
+            native = _taotie.load(file, {"material": a_material(None)._request(), "options": {}}, run)
+    return Model(native.without_file().as_scan(json.loads(reading)), path, stamp)
+
+
+def _stamp(path: str) -> tuple[int, int] | None:
+    """Return the time and size of a file; None if it does not exist."""
+    try:
+        found = os.stat(path)
+    except OSError:
+        return None
+    return found.st_mtime_ns, found.st_size
+
+
+def unchanged_file(model: Model) -> str | None:
+    """Return the file of a model if it is the same as when the model was read."""
+    path = model.path
+    return path if path is not None and model._stamp is not None and _stamp(path) == model._stamp else None
 
 
 def scan_options(crease_angle: float | None, green: str, unit: str | None) -> dict[str, Any]:
@@ -324,10 +344,11 @@ def load(
     }
     request = {"material": a_material(material)._request(), "options": options}
     file = a_path("path", path)
+    stamp = _stamp(file)
     with running(progress, None) as run:
         native = _taotie.load(file, request, run)
     warn(native.warnings())
-    model = Model(native, None if material is not None else file)
+    model = Model(native) if material is not None else Model(native, file, stamp)
     log.info("read %s: %d triangles", file, model.triangles)
     return model
 

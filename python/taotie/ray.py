@@ -144,7 +144,9 @@ class _Tasks:
 
     def estimate(self, planned: dict[str, Any]) -> None:
         """Read a scan to estimate its memory."""
-        task = self._task.options(num_cpus=1, memory=planned["reading"], name=f"estimate {planned['job']['id']}")
+        # Ray never starts a task that no machine has the memory for.
+        memory = min(planned["reading"], _largest())
+        task = self._task.options(num_cpus=1, memory=memory, name=f"estimate {planned['job']['id']}")
         self.running[task.remote(self._stored, planned, None, *self._how)] = (planned, None)
 
     def _bake(self, planned: dict[str, Any], forecast: int, spent: float) -> None:
@@ -162,7 +164,7 @@ class _Tasks:
             done["error"] = "lost its task: " + " ".join(str(error).split())[:300]
             return done
         if done["outcome"] is None and done["error"] is None and spent is None:
-            largest = max((node["Resources"].get("memory", 0.0) for node in ray.nodes() if node["Alive"]), default=0.0)
+            largest = _largest()
             if done["forecast"] <= largest:
                 self._bake({**planned, "address": done["address"]}, done["forecast"], done["seconds"])
                 return None
@@ -170,6 +172,11 @@ class _Tasks:
             done["outcome"] = _refused(f"needs about {need} of memory; the largest machine of the cluster has {most}")
         done["seconds"] += spent or 0.0
         return done
+
+
+def _largest() -> float:
+    """Return the memory of the largest machine of the cluster, bytes."""
+    return max((node["Resources"].get("memory", 0.0) for node in ray.nodes() if node["Alive"]), default=0.0)
 
 
 def _refused(why: str) -> dict[str, Any]:

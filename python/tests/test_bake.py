@@ -162,6 +162,16 @@ def test_a_low_poly_mesh_of_arrays_keeps_its_triangles(scan: tt.Model) -> None:
     assert asset.triangles == [low.triangles]
 
 
+def test_a_low_poly_mesh_whose_file_has_changed_is_the_one_that_was_loaded(scan: tt.Model, tmp_path: Path) -> None:
+    path = tmp_path / "low.glb"
+    tt.Mesh(*sphere(24, 12)).save(path)
+    low = tt.load(path)
+    tt.Mesh(*sphere(30, 16)).save(path)
+    with pytest.warns(tt.TaotieWarning, match="low.glb has changed"):
+        asset = tt.bake(scan, low=low, size=64)
+    assert asset.triangles == [low.triangles]
+
+
 def test_hard_edges_of_a_modelled_shape_are_kept_unless_asked_otherwise() -> None:
     corners = [[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)]
     quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import copy
 import pickle
+from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -88,6 +91,29 @@ def test_models_pickle(scan: tt.Model, ball: tt.Mesh) -> None:
         again = pickle.loads(pickle.dumps(model))
         assert again.triangles == model.triangles and again.path == model.path
         assert np.array_equal(tt.render(again, size=32), tt.render(model, size=32))
+
+
+def test_units_and_options_of_reading_stay_with_a_model(scan_file: Path, scan: tt.Model, ball: tt.Mesh) -> None:
+    def height(model: Any) -> float:
+        bounds = tt.bake(model, triangles=200, size=64).model.bounds
+        return float(bounds[1, 1] - bounds[0, 1])
+
+    mm = tt.load(scan_file, unit="mm")
+    expected = height(mm)
+    assert 0.0019 < expected < 0.0021
+    for model in (pickle.loads(pickle.dumps(mm)), copy.deepcopy(mm), tt.Scene([mm]), tt.Scene([mm, ball])):
+        assert np.isclose(height(model), expected, rtol=1e-3)
+    twice = pickle.loads(pickle.dumps(pickle.loads(pickle.dumps(scan))))
+    assert np.isclose(height(twice), height(scan), rtol=1e-3)
+    mixed = tt.Scene([mm, tt.load(scan_file, unit="cm")])
+    assert [what for what, _ in mixed.warnings if "different units" in what]
+
+
+def test_arrays_of_either_byte_order_are_taken(ball: tt.Mesh) -> None:
+    arrays = ball.arrays()
+    vertices, faces = arrays["vertices"], arrays["faces"]
+    swapped = tt.Mesh(vertices.astype(">f8"), faces.astype(">u4"))
+    assert np.array_equal(tt.render(swapped, size=32), tt.render(tt.Mesh(vertices, faces), size=32))
 
 
 def test_materials_are_given_by_name_or_in_full(ball: tt.Mesh) -> None:

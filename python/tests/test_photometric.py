@@ -103,6 +103,14 @@ def test_colours_and_units_are_those_of_the_photographs(folder: Path, tmp_path: 
         assert image.mode == "RGB"
 
 
+def test_the_folder_of_the_photographs_is_not_written_to(folder: Path) -> None:
+    found = tt.photometric(folder)
+    before = sorted(folder.iterdir())
+    with pytest.raises(tt.InvalidValue, match="folder of the photographs"):
+        found.save(folder)
+    assert sorted(folder.iterdir()) == before
+
+
 def test_wrong_arguments_are_named(photographs: Any, folder: Path, tmp_path: Path) -> None:
     images, lights, _ = photographs
     for kind, words, call in [

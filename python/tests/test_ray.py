@@ -73,3 +73,15 @@ def test_a_collection_in_an_object_store_has_the_files_of_the_command(tmp_path: 
     command = [sys.executable, "-m", "taotie", "batch", str(tmp_path / "command.toml"), "-q"]
     subprocess.run(command, check=False, stdout=subprocess.DEVNULL)
     assert collection.objects(tmp_path / "ray") == collection.objects(tmp_path / "command")
+
+
+def test_a_scan_that_no_machine_can_read_is_refused(tmp_path: Path) -> None:
+    from taotie import ray as taotie_ray
+
+    collection.write(tmp_path, 1, ("ray",))
+    ray.init(num_cpus=1, _memory=16 << 20)
+    try:
+        summary = taotie_ray.run(tmp_path / "ray.toml")
+    finally:
+        ray.shutdown()
+    assert summary["states"]["refused"] == 1 and summary["states"]["done"] == 0

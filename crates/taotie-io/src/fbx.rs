@@ -8,9 +8,10 @@ use super::loaded::{Loaded, Objects, checked};
 use super::obj::{Map, Mtl, Textures, material, neutral};
 use super::polygon::{Cutter, Outline};
 use super::reading::Reading;
-use super::text::quote;
+use super::text::{is_for_baking, quote};
 use std::collections::BTreeSet;
 use std::collections::btree_map::{BTreeMap, Entry};
+use std::iter::successors;
 use std::path::Path;
 use taotie_engine::error::{Error, Result, Warnings};
 use taotie_engine::math::srgb::linear_from_srgb;
@@ -140,28 +141,28 @@ fn shown<'a>(file: &'a ufbx::Scene, warnings: &mut Warnings) -> Vec<(&'a ufbx::N
 
 /// Returns `true` for hidden nodes, and for those below them unless they do not inherit visibility.
 fn is_hidden(node: &ufbx::Node) -> bool {
-    let mut above = Some(node);
-    while let Some(node) = above {
-        if !node.visible {
-            return true;
-        }
+    let inherits = |node: &ufbx::Node| {
         let inherits = ufbx::find_prop(&node.element.props, "Visibility Inheritance");
-        above = node.parent.as_deref().filter(|_| inherits.is_none_or(|inherits| inherits.value_int != 0));
-    }
-    false
+        inherits.is_none_or(|inherits| inherits.value_int != 0)
+    };
+    let mut above = successors(Some(node), |node| node.parent.as_deref().filter(|_| inherits(node)));
+    above.any(|node| !node.visible)
 }
 
 /// Returns `true` for nodes in a group of levels of detail, except those of its first level.
 fn is_coarser_level(node: &ufbx::Node) -> bool {
-    let mut below = node;
-    while let Some(group) = below.parent.as_deref() {
+    let is_later = |below: &ufbx::Node, group: &ufbx::Node| {
         let first = group.children.first().map(|child| child.element.element_id);
-        if group.attrib_type == ElementType::LodGroup && first != Some(below.element.element_id) {
-            return true;
-        }
-        below = group;
-    }
-    false
+        group.attrib_type == ElementType::LodGroup && first != Some(below.element.element_id)
+    };
+    let mut above = successors(Some(node), |node| node.parent.as_deref());
+    above.any(|below| below.parent.as_deref().is_some_and(|group| is_later(below, group)))
+}
+
+/// Returns the name of a node, or of the nearest one above it that is named for baking, if it is not itself.
+fn object_name(node: &ufbx::Node) -> String {
+    let mut above = successors(Some(node), |node| node.parent.as_deref());
+    above.find(|node| is_for_baking(&node.element.name)).unwrap_or(node).element.name.to_string()
 }
 
 fn assemble(reading: &Reading, file: &ufbx::Scene, loaded: &mut Loaded) -> Result<SceneData> {
@@ -193,7 +194,7 @@ fn assemble(reading: &Reading, file: &ufbx::Scene, loaded: &mut Loaded) -> Resul
             let material = materials.add((material.map(|m| &**m), is_colored), &mut loaded.warnings);
             let world_from_object = rounded(&node.geometry_to_world);
             scene.instances.push(Instance { mesh: *part, material, world_from_object });
-            objects.push((node.element.element_id, node.element.name.to_string()));
+            objects.push((node.element.element_id, object_name(node)));
         }
     }
     if scene.instances.is_empty() {

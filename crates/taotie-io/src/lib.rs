@@ -36,7 +36,7 @@ pub use json::Json;
 pub use limits::{Bytes, Limits, Stopwatch, Used, free_memory, limits_note, most_threads};
 pub use loaded::{GltfStructure, Loaded, Objects, RootNode, Variants};
 pub use reading::names_network;
-pub use text::{HIGH_MARK, LOW_MARK, decode_text, name_before, quote};
+pub use text::{HIGH_MARK, LOW_MARK, decode_text, listed, name_before, quote};
 #[cfg(feature = "exr")]
 pub use write::encode_exr;
 pub use write::{

@@ -210,6 +210,11 @@ pub const LOW_MARK: &str = "_low";
 /// The part of a name that marks an object of a scan.
 pub const HIGH_MARK: &str = "_high";
 
+/// Returns `true` for the name of an object that is named for baking: `wheel_low`, `wheel_high`.
+pub fn is_for_baking(name: &str) -> bool {
+    [LOW_MARK, HIGH_MARK].iter().any(|mark| name_before(name, mark).is_some())
+}
+
 /// Returns what is before the last `mark` in a name, in lower case, if `mark` ends a word there: `wheel` for `_low` in
 /// `Wheel_low.001`; `None` in `wheel_lower`.
 pub fn name_before(name: &str, mark: &str) -> Option<String> {
@@ -219,9 +224,27 @@ pub fn name_before(name: &str, mark: &str) -> Option<String> {
     (!before.is_empty() && ends_word).then(|| before.to_owned())
 }
 
+/// Returns the first names of a list, and how many more there are.
+pub fn listed(names: &[String]) -> String {
+    /// The maximum number of names in a message.
+    const MOST: usize = 4;
+    let shown = names.iter().take(MOST).cloned().collect::<Vec<_>>().join(", ");
+    match names.len().saturating_sub(MOST) {
+        0 => shown,
+        more => format!("{shown} and {more} more"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn long_lists_are_cut() {
+        let names: Vec<String> = ('a'..='f').map(String::from).collect();
+        assert_eq!(listed(&names[..2]), "a, b");
+        assert_eq!(listed(&names), "a, b, c, d and 2 more");
+    }
 
     #[test]
     fn decodes_what_editors_write() {

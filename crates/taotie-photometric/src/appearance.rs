@@ -136,7 +136,7 @@ impl<'a> Fitting<'a> {
         vectors.into_iter().map(Vec3::from_array).collect()
     }
 
-    /// Calls `out` with each sample that is neither saturated nor in shadow: its light, the sample, the model's, the
+    /// Calls `out` with each usable sample that is not in shadow: its light, the sample, the model's, the
     /// standard deviation of their difference, and the weight.
     #[inline(always)]
     fn visit<const N: usize>(
@@ -153,7 +153,7 @@ impl<'a> Fitting<'a> {
             let (l, sample) = (self.samples.direction(k, pixel), self.samples.images[k][pixel]);
             let (cosine, grey) = (surface.normal.dot(l), f64::from(sample.grey()));
             let in_shadow = cosine < GRAZING || grey < b.dot(l) - SHADOW * scale;
-            if sample.is_saturated() || in_shadow {
+            if !sample.is_usable() || in_shadow {
                 continue;
             }
             let model = lit.sample(l);
@@ -317,13 +317,14 @@ impl Fitting<'_> {
         let ratios = (0..self.lights()).filter_map(|k| {
             let l = self.samples.direction(k, pixel);
             let model = lit.sample(l).value;
-            (surface.normal.dot(l) > GRAZING && model > 0.0)
-                .then(|| f64::from(self.samples.images[k][pixel].grey()) / model)
+            let sample = self.samples.images[k][pixel];
+            (surface.normal.dot(l) > GRAZING && model > 0.0 && !sample.is_missing())
+                .then(|| f64::from(sample.grey()) / model)
         });
         Surface { color: (surface.color * quantile(ratios.collect(), 0.5)).clamp(1e-6, 1e6), ..surface }
     }
 
-    /// Returns the sum of bounded squares of all samples that are not saturated, in shadow or not.
+    /// Returns the sum of bounded squares of all usable samples, in shadow or not.
     fn misfit(&self, reference: &Reference, surface: &Surface) -> f64 {
         let Reference { pixel, scale, cut, removed, .. } = *reference;
         let lit: Lit<OWN> = surface.under(self.irradiance);
@@ -335,7 +336,7 @@ impl Fitting<'_> {
             let deviation = scale + HIGHLIGHT * (model - diffuse * cosine.max(0.0)).max(0.0);
             let off = f64::from(sample.grey()) - removed.dot(l).max(0.0) - model;
             let relative = off / (cut * deviation);
-            if sample.is_saturated() { 0.0 } else { (relative * relative).min(1.0) }
+            if !sample.is_usable() { 0.0 } else { (relative * relative).min(1.0) }
         };
         (0..self.lights()).map(bounded).sum()
     }

@@ -14,21 +14,21 @@ pub const LANES: usize = 8;
 /// One number for each pixel of a block.
 pub type Pack = [f32; LANES];
 
-/// A light's direction and the products of its components, xx, xy, xz, yy, yz, zz.
+/// A light's direction from each pixel of a block, and the products of its components, xx, xy, xz, yy, yz, zz.
 #[derive(Debug, Clone, Copy)]
 pub struct LightTerms {
-    /// The unit vector towards the light.
-    pub direction: Vec3<f64>,
-    l: [f32; 3],
-    products: [f32; 6],
+    l: [Pack; 3],
+    products: [Pack; 6],
 }
 
 impl LightTerms {
-    /// Computes the products.
-    pub fn new(direction: Vec3<f64>) -> Self {
-        let l = direction.to_f32().to_array();
+    /// Computes the products from unit vectors towards the light.
+    pub fn new(directions: [Vec3<f64>; LANES]) -> Self {
+        let l = packs(directions);
+        let product = |a: Pack, b: Pack| std::array::from_fn(|lane| a[lane] * b[lane]);
         let [x, y, z] = l;
-        Self { direction, l, products: [x * x, x * y, x * z, y * y, y * z, z * z] }
+        let pairs = [(x, x), (x, y), (x, z), (y, y), (y, z), (z, z)];
+        Self { l, products: pairs.map(|(a, b)| product(a, b)) }
     }
 }
 
@@ -45,12 +45,12 @@ impl Sums {
     pub fn add(&mut self, light: &LightTerms, samples: &Pack, weights: &Pack) {
         for (sum, product) in self.matrix.iter_mut().zip(light.products) {
             for lane in 0..LANES {
-                sum[lane] += weights[lane] * product;
+                sum[lane] += weights[lane] * product[lane];
             }
         }
         for (sum, l) in self.right.iter_mut().zip(light.l) {
             for lane in 0..LANES {
-                sum[lane] += weights[lane] * samples[lane] * l;
+                sum[lane] += weights[lane] * samples[lane] * l[lane];
             }
         }
     }
@@ -78,7 +78,8 @@ impl Sums {
 pub fn shaded(b: &[Pack; 3], light: &LightTerms) -> Pack {
     let mut sum = [0.0; LANES];
     for lane in 0..LANES {
-        sum[lane] = b[0][lane] * light.l[0] + b[1][lane] * light.l[1] + b[2][lane] * light.l[2];
+        sum[lane] =
+            b[0][lane] * light.l[0][lane] + b[1][lane] * light.l[1][lane] + b[2][lane] * light.l[2][lane];
     }
     sum
 }

@@ -7,7 +7,7 @@ use crate::lamp::{Ray, intersection, mean_direction, squared_angles};
 use crate::light::{Light, place};
 use crate::photograph::{Photograph, Transfer, grey_image};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use taotie_engine::error::{Error, Result};
 use taotie_engine::math::Vec3;
 use taotie_engine::{Progress, parallel};
@@ -167,6 +167,36 @@ fn detected(mean: &GreyImage) -> Vec<Outline> {
     outlines.into_iter().flatten().filter(inside).collect()
 }
 
+/// Calls `task` with the number and the linear grey of each photograph, of as many at the same time as memory allows.
+fn of_each<T: Send>(
+    paths: &[&Path],
+    setup: &Setup,
+    progress: Progress<'_>,
+    task: &(dyn Fn(usize, &GreyImage) -> Result<T> + Sync),
+) -> Result<Vec<T>> {
+    /// Bytes per pixel: decoded, with the decoder's copy, and grey.
+    const PIXEL: u64 = 32;
+    let (mut found, count) = (Vec::with_capacity(paths.len()), paths.len());
+    let grey = |i: usize| grey_image(paths[i], setup.transfer, &setup.limits);
+    let mut at_once = 1;
+    while found.len() < count {
+        let first = found.len();
+        progress.at(first as f64 / count as f64)?;
+        let done = AtomicUsize::new(first);
+        let bytes = AtomicU64::new(1);
+        let next = parallel::try_tasks(at_once.min(count - first), &|i| {
+            let image = grey(first + i)?;
+            bytes.fetch_max(image.values.len() as u64 * PIXEL, Ordering::Relaxed);
+            progress.at(done.fetch_add(1, Ordering::Relaxed) as f64 / count as f64)?;
+            task(first + i, &image)
+        })?;
+        found.extend(next);
+        let memory = setup.limits.memory.map_or(u64::MAX, |memory| memory.0);
+        at_once = usize::try_from(memory / bytes.into_inner()).unwrap_or(usize::MAX).max(1);
+    }
+    Ok(found)
+}
+
 /// Returns the size of the photographs, and in each the highlights of all circles.
 fn highlights(
     paths: &[PathBuf],
@@ -174,11 +204,9 @@ fn highlights(
     outlines: &[Outline],
     progress: Progress<'_>,
 ) -> Result<([usize; 2], Vec<Seen>)> {
-    let done = AtomicUsize::new(0);
-    let found = parallel::try_tasks(paths.len(), &|i| {
-        let image = grey_image(&paths[i], setup.transfer, &setup.limits)?;
-        progress.at(done.fetch_add(1, Ordering::Relaxed) as f64 / paths.len() as f64)?;
-        let of_ball = |outline: &Outline| highlight(&image, &outline.circle);
+    let paths: Vec<&Path> = paths.iter().map(PathBuf::as_path).collect();
+    let found = of_each(&paths, setup, progress, &|_, image| {
+        let of_ball = |outline: &Outline| highlight(image, &outline.circle);
         Ok(([image.width, image.height], outlines.iter().map(of_ball).collect::<Vec<_>>()))
     })?;
     let size = found.first().map_or([1, 1], |(size, _)| *size);
@@ -297,10 +325,9 @@ pub fn brightness_of(
     setup: &Setup,
     progress: Progress<'_>,
 ) -> Result<Vec<f64>> {
-    let found = parallel::try_tasks(photographs.len(), &|i| {
+    let paths: Vec<&Path> = photographs.iter().map(|photograph| photograph.path.as_path()).collect();
+    let found = of_each(&paths, setup, progress, &|i, image| {
         let photograph = &photographs[i];
-        let image = grey_image(&photograph.path, setup.transfer, &setup.limits)?;
-        progress.at(i as f64 / photographs.len() as f64)?;
         let wrong = |why: &str| {
             let [x, y] = ball.center;
             let what = format!("{}: grey ball {x},{y},{}", photograph.path.display(), ball.radius);
@@ -309,7 +336,7 @@ pub fn brightness_of(
         if !ball.is_within([image.width, image.height]) {
             return Err(wrong("it must be within the photographs"));
         }
-        let lit = lit_part(&image, ball, &photograph.light);
+        let lit = lit_part(image, ball, &photograph.light);
         let mut ratios: Vec<f64> = lit.iter().map(|[cosine, grey]| grey / cosine).collect();
         let middle = ratios.len() / 2;
         if ratios.is_empty() {

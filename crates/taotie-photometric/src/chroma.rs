@@ -56,7 +56,7 @@ impl Samples {
     fn weight(&self, light: usize, pixel: usize, best: &PixelEstimate) -> f64 {
         let sample = self.images[light][pixel];
         let cosine = best.normal.dot(self.direction(light, pixel));
-        if sample.is_saturated() || cosine < GRAZING {
+        if !sample.is_usable() || cosine < GRAZING {
             return 0.0;
         }
         let difference = f64::from(sample.grey()) - best.albedo * cosine;

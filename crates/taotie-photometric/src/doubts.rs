@@ -3,11 +3,13 @@
 use crate::estimate::Estimate;
 use crate::finish::FEWEST_LIGHTS;
 use crate::indirect::{MOST_ALBEDO, quantile};
+use crate::residuals::LightResiduals;
 use crate::samples::Samples;
 use crate::symmetric::Sym3;
 use taotie_engine::math::Vec3;
 use taotie_engine::names::Named;
 use taotie_engine::{Warnings, parallel};
+use taotie_io::listed;
 
 /// How far the exponent between light and brightness may be from 1: highlights reach half of it.
 const CURVED: f64 = 0.15;
@@ -38,7 +40,26 @@ impl Estimate {
                 curl.estimated, curl.negated
             );
             warnings.note(what, 1);
+        } else if self.misfit <= UNEXPLAINED {
+            let moved = self.moved(samples);
+            let what = format!(
+                "photographs are shifted, as if the camera or the object had moved: {}; align them, or leave them out",
+                listed(&moved)
+            );
+            warnings.note(what, moved.len());
         }
+    }
+
+    /// Describes the photographs that are shifted.
+    fn moved(&self, samples: &Samples) -> Vec<String> {
+        let describe = |(k, light): (usize, &LightResiduals)| {
+            let shift = light.shift.filter(|shift| shift.is_moved())?;
+            let [x, y] = shift.pixels;
+            let (across, along) =
+                (if x < 0.0 { "left" } else { "right" }, if y < 0.0 { "up" } else { "down" });
+            Some(format!("{} by {:.1} pixels {across} and {:.1} {along}", samples.name(k), x.abs(), y.abs()))
+        };
+        self.lights.iter().enumerate().filter_map(describe).collect()
     }
 
     fn note_misfit(&self, samples: &Samples, warnings: &mut Warnings) {

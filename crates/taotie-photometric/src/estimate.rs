@@ -118,12 +118,12 @@ impl Estimate {
         let grid = Grid::new(width, height, samples.pixels.clone());
         let robust = Robust::new(samples);
         let fits = fits(&robust, samples, progress.stage("fit"))?;
-        let residuals = Residuals::new(samples, &grid, robust.lights(), &fits);
+        let residuals = Residuals::new(samples, &grid, &fits);
         let lights = residuals.of_lights();
         let is_glossy =
             !samples.is_relit && lights.len() < FEWEST_LIGHTS && lit_residual(&lights) > MOST_RESIDUAL;
         let fitted: Vec<Vec3<f64>> = fits.iter().map(|fit| fit.robust).collect();
-        let few = robust.lights().len() < robust::FEWEST;
+        let few = samples.lights.len() < robust::FEWEST;
         let indirect = match few {
             true => Indirect::none(fitted),
             false => Indirect::remove(samples, &grid, &fitted, progress.begin("indirect light")?)?,

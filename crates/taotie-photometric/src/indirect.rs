@@ -139,7 +139,9 @@ struct Coarse {
     /// Pixels along the side of a cell.
     size: usize,
     fitted: Vec<Vec3<f64>>,
-    /// For each photograph the grey of each cell.
+    /// The middle pixel of each cell.
+    middles: Vec<usize>,
+    /// For each photograph the grey of each cell; NaN if samples are missing.
     images: Vec<Vec<f32>>,
 }
 
@@ -200,13 +202,17 @@ impl Coarse {
         let fitted = cells.iter().map(|cell| means[*cell]).collect();
         let cells = cells.into_iter().map(|cell| cell as u32).collect();
         let images = parallel::tasks(samples.images.len(), &|k| {
-            let grey = |i: &u32| samples.images[k][*i as usize].grey();
+            let grey = |i: &u32| {
+                let sample = samples.images[k][*i as usize];
+                if sample.is_missing() { f32::NAN } else { sample.grey() }
+            };
             members
                 .iter()
                 .map(|members| members.iter().map(grey).sum::<f32>() / members.len() as f32)
                 .collect()
         });
-        Self { grid: Grid::new(width, height, cells), size, fitted, images }
+        let middles = members.iter().map(|members| members[members.len() / 2] as usize).collect();
+        Self { grid: Grid::new(width, height, cells), size, fitted, middles, images }
     }
 
     /// Returns the indirect light, given the cells that rays from each cell meet.
@@ -230,12 +236,13 @@ impl Coarse {
         let bright = quantile(lengths.clone(), BRIGHT).max(f64::MIN_POSITIVE);
         let mut shadows = Vec::new();
         for (cell, b) in direct.iter().enumerate() {
-            let in_shadow = |(_, l): &(usize, &Vec3<f64>)| b.dot(**l) < -SHADOW * lengths[cell];
-            for (k, _) in samples.lights.iter().enumerate().filter(in_shadow) {
+            let in_shadow =
+                |k: &usize| b.dot(samples.direction(*k, self.middles[cell])) < -SHADOW * lengths[cell];
+            for k in (0..samples.lights.len()).filter(in_shadow) {
                 let seen: f64 = rays(cell).map(|hit| f64::from(self.images[k][*hit as usize])).sum();
-                let expected = lengths[cell] * seen / RAYS as f64;
-                if expected > 1e-4 * typical * typical {
-                    shadows.push(Shadow { expected, grey: f64::from(self.images[k][cell]) });
+                let (expected, grey) = (lengths[cell] * seen / RAYS as f64, f64::from(self.images[k][cell]));
+                if expected > 1e-4 * typical * typical && !grey.is_nan() {
+                    shadows.push(Shadow { expected, grey });
                 }
             }
         }

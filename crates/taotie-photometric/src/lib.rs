@@ -52,6 +52,7 @@ mod robust;
 mod samples;
 mod scan;
 mod set;
+mod shift;
 mod sources;
 mod surface;
 mod surfaces;
@@ -77,7 +78,8 @@ pub use relight::{Basis, Coefficients, ColorModel, ColorReader, Plane, Quality, 
 pub use residuals::LightResiduals;
 pub use samples::{Reading, Samples};
 pub use scan::{Anchoring, ScanHeights};
-pub use set::PhotographSet;
+pub use set::{PhotographSet, check_output};
+pub use shift::Shift;
 pub use surfaces::RegionFinish;
 pub use symmetric::Sym2;
 pub use truth::{Coverage, averaged};

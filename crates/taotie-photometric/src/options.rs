@@ -39,7 +39,8 @@ impl PhotometricOptions {
     /// Checks the options, before any work begins.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for a size that is not above 0, or if a grey ball and a white board are both given.
+    /// [`Error::Invalid`] for a size that is not above 0, a format named twice, or if a grey ball and a white board are both
+    /// given.
     pub fn check(&self) -> Result<()> {
         if let Some(size) = self.pixel_size.filter(|size| !(size.is_finite() && *size > 0.0)) {
             let what = format!("invalid size of a pixel `{size}`");
@@ -48,6 +49,11 @@ impl PhotometricOptions {
         if let (Some(unit), None) = (self.unit, self.pixel_size) {
             let what = format!("a unit, {}, without the size of a pixel", unit.name());
             return Err(Error::invalid(what, "state that size, too"));
+        }
+        let is_repeated = |(i, format): (usize, &RelightFormat)| self.relight[..i].contains(format);
+        if let Some(format) = self.relight.iter().enumerate().find(|(i, format)| is_repeated((*i, format))) {
+            let what = format!("the relightable image `{}` twice", format.1.name());
+            return Err(Error::invalid(what, "name each once"));
         }
         match self.grey_ball.is_some() && self.flat.is_some() {
             true => Err(Error::invalid("a grey ball and a white board", "give only one of them")),
@@ -115,6 +121,9 @@ mod tests {
         let size = |size| PhotometricOptions { pixel_size: Some(size), ..PhotometricOptions::default() };
         assert!(wrong(size(0.0)).contains("above 0") && wrong(size(f64::NAN)).contains("`NaN`"));
         assert!(size(0.05).check().is_ok());
+        let twice =
+            PhotometricOptions { relight: vec![RelightFormat::Ptm; 2], ..PhotometricOptions::default() };
+        assert!(wrong(twice).contains("`ptm` twice"));
     }
 
     #[test]

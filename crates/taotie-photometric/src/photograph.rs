@@ -55,13 +55,13 @@ impl Transfer {
 }
 
 /// A pixel of a photograph: linear grey, the mean of the channels, divided by the light's intensity. The sign bit is
-/// set if a channel is saturated.
+/// set if a channel is saturated; NaN if it is missing, as where the photograph is transparent.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Sample(f32);
 
 impl Sample {
     fn new(grey: f64, saturated: bool) -> Self {
-        let grey = if grey.is_finite() { (grey.clamp(0.0, 1e12) + 0.0) as f32 } else { 0.0 };
+        let grey = if grey.is_finite() { (grey.clamp(0.0, 1e12) + 0.0) as f32 } else { f32::NAN };
         Self(if saturated { -grey } else { grey })
     }
 
@@ -72,26 +72,38 @@ impl Sample {
 
     /// Returns the sample of a light brighter by a factor.
     pub fn times(self, factor: f64) -> Self {
-        Self::new(f64::from(self.grey()) * factor, self.is_saturated())
+        Self::new(f64::from(self.0.abs()) * factor, self.is_saturated())
     }
 
     /// Returns the sample without the unevenness of the light that a white board shows, for lights in a direction with the
     /// cosine `cosine`, l_z; saturated if either is.
     pub fn flattened(self, board: Self, cosine: f64) -> Self {
-        let grey = f64::from(self.grey()) * flattening(board, cosine);
+        let grey = f64::from(self.0.abs()) * flattening(board, cosine);
         Self::new(grey, self.is_saturated() || board.is_saturated())
     }
 
-    /// The linear grey, at least 0.
+    /// The linear grey, at least 0; 0 if it is missing.
     #[inline]
     pub fn grey(self) -> f32 {
-        self.0.abs()
+        self.0.abs().max(0.0)
+    }
+
+    /// Returns true if the photograph is transparent there, or has no finite value.
+    #[inline]
+    pub fn is_missing(self) -> bool {
+        self.0.is_nan()
+    }
+
+    /// Returns true if the grey is that of the surface: neither saturated nor missing.
+    #[inline]
+    pub fn is_usable(self) -> bool {
+        !self.is_saturated() && !self.is_missing()
     }
 
     /// Returns true if a channel is saturated: the grey is then a lower bound.
     #[inline]
     pub fn is_saturated(self) -> bool {
-        self.0.is_sign_negative()
+        self.0.is_sign_negative() && !self.is_missing()
     }
 }
 
@@ -191,7 +203,9 @@ impl<'a> Decoder<'a> {
         self.check(path, bitmap)?;
         let factors = intensity.map(|v| 1.0 / (3.0 * v));
         let sample = |i: &u32| {
-            let (values, saturated) = self.linear_texel(bitmap, *i as usize);
+            let Some((values, saturated)) = self.linear_texel(bitmap, *i as usize) else {
+                return Sample::new(f64::NAN, false);
+            };
             let grey: f64 = (0..3).map(|c| f64::from(values[c]).max(0.0) * factors[c]).sum();
             Sample::new(grey, saturated)
         };
@@ -206,7 +220,7 @@ impl<'a> Decoder<'a> {
         self.check(path, bitmap)?;
         let factors = intensity.map(|v| 1.0 / v);
         let color = |i: &u32| {
-            let (values, _) = self.linear_texel(bitmap, *i as usize);
+            let values = self.linear_texel(bitmap, *i as usize).map_or([0.0; 4], |(values, _)| values);
             std::array::from_fn(|c| (f64::from(values[c]).max(0.0) * factors[c]) as f32)
         };
         Ok(self.pixels.iter().map(color).collect())
@@ -222,12 +236,9 @@ impl<'a> Decoder<'a> {
         Ok(())
     }
 
-    /// Returns the linear value of a pixel, black where it is transparent, and true if a channel is saturated.
-    fn linear_texel(&self, bitmap: &Bitmap, i: usize) -> ([f32; 4], bool) {
-        if is_transparent(bitmap, i) {
-            return ([0.0; 4], false);
-        }
-        match bitmap.texels() {
+    /// Returns the linear value of a pixel, and true if a channel is saturated; `None` where it is transparent.
+    fn linear_texel(&self, bitmap: &Bitmap, i: usize) -> Option<([f32; 4], bool)> {
+        (!is_transparent(bitmap, i)).then(|| match bitmap.texels() {
             Texels::U8(texels) => {
                 (self.linear(bitmap, i, texels[i].map(usize::from)), is_full(texels[i], u8::MAX))
             }
@@ -238,7 +249,7 @@ impl<'a> Decoder<'a> {
                 (texels[i].map(linear_from_float), false)
             }
             Texels::F32(texels) => (texels[i], false),
-        }
+        })
     }
 
     fn linear(&self, bitmap: &Bitmap, i: usize, codes: [usize; 4]) -> [f32; 4] {
@@ -300,7 +311,7 @@ mod tests {
         for (transfer, grey) in [(Transfer::Srgb, 0.2140), (Transfer::Auto, 0.5)] {
             let read = decoder(32, transfer).samples(path, &floats, [1.0; 3]).unwrap();
             assert!((read[0].grey() - grey).abs() < 1e-4, "{transfer:?}: {:?}", read[0]);
-            assert_eq!(read[1], Sample::new(0.0, false), "transparent");
+            assert!(read[1].is_missing() && !read[1].is_usable() && read[1].grey() == 0.0, "transparent");
             let (bitmap, _) = decodable(floats.clone(), transfer).unwrap();
             assert!((bitmap.stored(0)[0] - grey).abs() < 1e-4);
         }

@@ -2,11 +2,12 @@
 //! fit, their size under each light.
 
 use crate::appearance::{Compared, Fitting};
-use crate::block::{LightTerms, weight};
+use crate::block::weight;
 use crate::grid::Grid;
 use crate::program::Surface;
 use crate::robust::Fit;
 use crate::samples::Samples;
+use crate::shift::Shift;
 use crate::symmetric::Sym3;
 use taotie_engine::math::{Vec3, scalar};
 use taotie_engine::parallel;
@@ -47,6 +48,8 @@ pub struct LightResiduals {
     pub shadowed: f64,
     /// Fraction of the samples without weight in the fit.
     pub rejected: f64,
+    /// How far the photograph is shifted from the others; `None` if the surface is too uniform to show it.
+    pub shift: Option<Shift>,
 }
 
 /// Sums for one light.
@@ -64,8 +67,6 @@ pub struct Residuals<'a> {
     pub samples: &'a Samples,
     /// Their pixels.
     pub grid: &'a Grid,
-    /// Their lights.
-    pub lights: &'a [LightTerms],
     /// The fit of each pixel.
     pub fits: &'a [Fit],
     /// [`Fit::inverse_reach`] of each pixel.
@@ -76,8 +77,9 @@ pub struct Residuals<'a> {
 
 impl<'a> Residuals<'a> {
     /// Prepares the lights; sectors have equally many, by the angle around the view.
-    pub fn new(samples: &'a Samples, grid: &'a Grid, lights: &'a [LightTerms], fits: &'a [Fit]) -> Self {
-        let angle = |k: &usize| scalar::atan2(lights[*k].direction.y, lights[*k].direction.x);
+    pub fn new(samples: &'a Samples, grid: &'a Grid, fits: &'a [Fit]) -> Self {
+        let lights = &samples.lights;
+        let angle = |k: &usize| scalar::atan2(lights[*k].y, lights[*k].x);
         let mut order: Vec<usize> = (0..lights.len()).collect();
         order.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
         let mut sectors = vec![0; lights.len()];
@@ -85,7 +87,7 @@ impl<'a> Residuals<'a> {
             sectors[k] = i * SECTORS / lights.len();
         }
         let inverse_reaches = fits.iter().map(Fit::inverse_reach).collect();
-        Self { samples, grid, lights, fits, inverse_reaches, sectors }
+        Self { samples, grid, fits, inverse_reaches, sectors }
     }
 
     /// Returns the residuals of each pixel, from its surface or, without one, from its robust fit.
@@ -96,7 +98,7 @@ impl<'a> Residuals<'a> {
             let (first, end) = (rows[band * BAND], rows[last]);
             // The row below the band is compared with its last one.
             let known = first..rows[(last + 1).min(rows.len() - 1)];
-            let count = self.lights.len();
+            let count = self.samples.lights.len();
             let mut compared = vec![Compared::default(); count];
             let mut table = Vec::with_capacity(known.len() * count);
             let mut residuals = Vec::with_capacity(end - first);
@@ -165,11 +167,11 @@ impl<'a> Residuals<'a> {
     /// Returns the residual of a sample and its weight in the fit.
     #[inline]
     fn residual(&self, pixel: usize, k: usize) -> (f64, f64) {
-        let fit = &self.fits[pixel];
+        let (fit, sample) = (&self.fits[pixel], self.samples.images[k][pixel]);
         let Vec3 { x, y, z } = self.samples.direction(k, pixel);
         let shaded = fit.robust.x * x + fit.robust.y * y + fit.robust.z * z;
-        let residual = f64::from(self.samples.images[k][pixel].grey()) - shaded;
-        (residual, weight(residual, self.inverse_reaches[pixel]))
+        let residual = f64::from(sample.grey()) - shaded;
+        (residual, if sample.is_usable() { weight(residual, self.inverse_reaches[pixel]) } else { 0.0 })
     }
 
     /// Returns the exponent that best turns fitted into measured brightness, over samples that agree with the fit: 1 if
@@ -183,13 +185,12 @@ impl<'a> Residuals<'a> {
             let (mut product, mut square) = (0.0, 0.0);
             for pixel in (part * PART..((part + 1) * PART).min(self.fits.len())).step_by(EVERY) {
                 let length = self.fits[pixel].robust.length();
-                let mut logs = Vec::with_capacity(self.lights.len());
-                for k in 0..self.lights.len() {
+                let mut logs = Vec::with_capacity(self.samples.lights.len());
+                for k in 0..self.samples.lights.len() {
                     let (residual, weight) = self.residual(pixel, k);
-                    let sample = self.samples.images[k][pixel];
-                    let grey = f64::from(sample.grey());
+                    let grey = f64::from(self.samples.images[k][pixel].grey());
                     let fitted = grey - residual;
-                    if weight > 0.0 && !sample.is_saturated() && grey.min(fitted) > DARKEST * length {
+                    if weight > 0.0 && grey.min(fitted) > DARKEST * length {
                         logs.push([scalar::ln(fitted), scalar::ln(grey)]);
                     }
                 }
@@ -210,20 +211,21 @@ impl<'a> Residuals<'a> {
     pub fn of_lights(&self) -> Vec<LightResiduals> {
         let parts = parallel::tasks(self.fits.len().div_ceil(PART), &|part| {
             let pixels = part * PART..((part + 1) * PART).min(self.fits.len());
-            let mut sums = vec![LightSums::default(); self.lights.len()];
+            let mut sums = vec![LightSums::default(); self.samples.lights.len()];
             pixels.for_each(|pixel| self.add(pixel, &mut sums));
             sums
         });
-        let count = self.fits.len() as f64;
+        let (count, shifts) = (self.fits.len() as f64, self.shifts());
         let of_light = |k: usize| {
             let sum = |field: fn(&LightSums) -> f64| parts.iter().map(|part| field(&part[k])).sum::<f64>();
             LightResiduals {
                 relative: (sum(|s| s.squares) / sum(|s| s.lit).max(1.0)).sqrt(),
                 shadowed: sum(|s| s.shadowed) / count,
                 rejected: sum(|s| s.rejected) / count,
+                shift: shifts[k],
             }
         };
-        (0..self.lights.len()).map(of_light).collect()
+        (0..self.samples.lights.len()).map(of_light).collect()
     }
 
     fn add(&self, pixel: usize, sums: &mut [LightSums]) {
@@ -233,8 +235,11 @@ impl<'a> Residuals<'a> {
         }
         for (k, sums) in sums.iter_mut().enumerate() {
             let (residual, weight) = self.residual(pixel, k);
-            let grey = f64::from(self.samples.images[k][pixel].grey());
-            if grey < SHADOW * (grey - residual) || grey <= residual {
+            let sample = self.samples.images[k][pixel];
+            let grey = f64::from(sample.grey());
+            if sample.is_missing() {
+                // It is neither lit nor in shadow.
+            } else if grey < SHADOW * (grey - residual) || grey <= residual {
                 sums.shadowed += 1.0;
             } else {
                 sums.squares += (residual / length) * (residual / length);

@@ -11,6 +11,7 @@
 //!    since rejecting good samples only adds noise.
 
 use crate::block::{LANES, LightTerms, Pack, Sums, packs, shaded, vector, weight};
+use crate::photograph::Sample;
 use crate::samples::Samples;
 use crate::symmetric::Sym3;
 use taotie_engine::math::Vec3;
@@ -62,7 +63,6 @@ impl Fit {
 #[derive(Debug, Clone)]
 pub struct Robust<'a> {
     samples: &'a Samples,
-    lights: Vec<LightTerms>,
     /// Inverse of Σ l lᵀ.
     inverse: Sym3,
 }
@@ -72,6 +72,8 @@ pub struct Robust<'a> {
 pub struct Scratch {
     lights: Vec<LightTerms>,
     samples: Vec<Pack>,
+    /// 1 for samples that are neither saturated nor missing, else 0.
+    usable: Vec<Pack>,
     kept: Vec<Pack>,
     residuals: Vec<Pack>,
     sorted: Vec<f32>,
@@ -89,21 +91,20 @@ impl<'a> Robust<'a> {
     pub fn new(samples: &'a Samples) -> Self {
         let mut sum = Sym3::default();
         samples.lights.iter().for_each(|light| sum.add(*light, 1.0));
-        let lights = samples.lights.iter().map(|light| LightTerms::new(*light)).collect();
         // Opening a set checks that its lights determine a normal.
-        Self { samples, lights, inverse: sum.inverse().unwrap_or_default() }
+        Self { samples, inverse: sum.inverse().unwrap_or_default() }
     }
 
-    /// The lights.
-    pub fn lights(&self) -> &[LightTerms] {
-        &self.lights
+    /// The number of lights.
+    fn count(&self) -> usize {
+        self.samples.lights.len()
     }
 
     /// The ratio of the standard deviation of normally distributed residuals to their scale by median, for the
     /// samples that the start keeps: a fit to n points leaves their median too small. From a simulation of 4,000
     /// pixels with 12, 16, 24, 48 and 96 lights (2.28, 1.86, 1.43, 1.17 and 1.07).
     fn spread(&self) -> f64 {
-        1.0 + 7.0 / (self.lights.len() as f64 - 6.0)
+        1.0 + 7.0 / (self.count() as f64 - 6.0)
     }
 
     /// Returns the first fits of the pixels from `first` on, at most [`LANES`]: least squares, the start, and the
@@ -119,7 +120,7 @@ impl<'a> Robust<'a> {
             robust,
             scale,
         };
-        if self.lights.len() < FEWEST {
+        if self.count() < FEWEST {
             return std::array::from_fn(|lane| fit(lane, least_squares[lane], f64::INFINITY));
         }
         let start = self.l1(scratch, &packs(least_squares));
@@ -130,21 +131,22 @@ impl<'a> Robust<'a> {
         })
     }
 
-    /// Returns the fits by least squares over all samples.
+    /// Returns the fits by least squares over all usable samples.
     fn least_squares(&self, first: usize, scratch: &Scratch) -> [Vec3<f64>; LANES] {
-        if self.samples.is_near() {
-            return std::array::from_fn(|lane| {
-                self.solved(&PixelSamples { pixel: self.pixel(first, lane), lane, scratch }, |_| 1.0)
-                    .map_or(Vec3::splat(0.0), |(b, _)| b)
-            });
-        }
         let mut sums = [[0.0; LANES]; 3];
-        for (light, samples) in scratch.lights.iter().zip(&scratch.samples) {
-            for (sum, l) in sums.iter_mut().zip(light.direction.to_array()) {
+        for (light, samples) in self.samples.lights.iter().zip(&scratch.samples) {
+            for (sum, l) in sums.iter_mut().zip(light.to_array()) {
                 (0..LANES).for_each(|lane| sum[lane] += f64::from(samples[lane]) * l);
             }
         }
-        std::array::from_fn(|lane| self.inverse.times(Vec3::from_array(sums.map(|sum| sum[lane]))))
+        std::array::from_fn(|lane| {
+            let is_whole = scratch.usable.iter().all(|usable| usable[lane] == 1.0);
+            if is_whole && !self.samples.is_near() {
+                return self.inverse.times(Vec3::from_array(sums.map(|sum| sum[lane])));
+            }
+            let pixel = PixelSamples { pixel: self.pixel(first, lane), lane, scratch };
+            self.solved(&pixel, |_| 1.0).map_or(Vec3::splat(0.0), |(b, _)| b)
+        })
     }
 
     /// Refines first fits. `typical` is the median scale of all pixels.
@@ -166,8 +168,10 @@ impl<'a> Robust<'a> {
         let mut b = start;
         for _ in 1..REFINEMENTS {
             let (mut sums, mut total) = (Sums::default(), [0.0; LANES]);
-            for (light, samples) in scratch.lights.iter().zip(&scratch.samples) {
-                let weights = weights(samples, &shaded(&b, light), &inverses);
+            let all = scratch.lights.iter().zip(&scratch.samples).zip(&scratch.usable);
+            for ((light, samples), usable) in all {
+                let mut weights = weights(samples, &shaded(&b, light), &inverses);
+                (0..LANES).for_each(|lane| weights[lane] *= usable[lane]);
                 (0..LANES).for_each(|lane| total[lane] += weights[lane]);
                 sums.add(light, samples, &weights);
             }
@@ -195,8 +199,8 @@ impl<'a> Robust<'a> {
         (first + lane).min(self.samples.pixels.len() - 1)
     }
 
-    /// Returns the weighted fit of a pixel in double precision, with its own directions to near lamps, and the sum of the
-    /// weights of its residuals; `None` if the weights do not determine it.
+    /// Returns the weighted fit of a pixel to its usable samples in double precision, and the sum of the weights; `None` if
+    /// the weights do not determine it.
     fn solved(
         &self,
         PixelSamples { pixel, lane, scratch }: &PixelSamples<'_>,
@@ -205,7 +209,7 @@ impl<'a> Robust<'a> {
         let (mut matrix, mut right, mut total) = (Sym3::default(), Vec3::splat(0.0), 0.0);
         for (k, samples) in scratch.samples.iter().enumerate() {
             let (sample, direction) = (f64::from(samples[*lane]), self.samples.direction(k, *pixel));
-            let weight = weight((sample, direction));
+            let weight = weight((sample, direction)) * f64::from(scratch.usable[k][*lane]);
             matrix.add(direction, weight);
             right += direction * (weight * sample);
             total += weight;
@@ -225,33 +229,26 @@ impl<'a> Robust<'a> {
 
     /// Loads the samples of a block; lanes beyond the last pixel repeat it.
     fn load(&self, first: usize, scratch: &mut Scratch) {
-        let last = self.samples.pixels.len() - 1;
-        if self.samples.is_near() {
-            // For weights, pixels of a block share the directions of the one in the middle.
-            let middle = self.pixel(first, LANES / 2);
+        let pixels: [usize; LANES] = std::array::from_fn(|lane| self.pixel(first, lane));
+        if self.samples.is_near() || scratch.lights.is_empty() {
             scratch.lights.clear();
-            let directions = (0..self.lights.len()).map(|k| self.samples.direction(k, middle));
-            scratch.lights.extend(directions.map(LightTerms::new));
-        } else if scratch.lights.is_empty() {
-            scratch.lights.clone_from(&self.lights);
+            let directions = |k: usize| pixels.map(|pixel| self.samples.direction(k, pixel));
+            scratch.lights.extend((0..self.count()).map(|k| LightTerms::new(directions(k))));
         }
-        scratch.samples.clear();
-        scratch.samples.extend(
-            self.samples
-                .images
-                .iter()
-                .map(|image| std::array::from_fn(|lane| image[(first + lane).min(last)].grey())),
-        );
-        scratch.kept.clear();
-        scratch.kept.resize(self.lights.len(), [0.0; LANES]);
-        for lane in 0..LANES {
-            self.keep((first + lane).min(last), lane, scratch);
+        let Scratch { samples, usable, kept, .. } = scratch;
+        [&mut *samples, &mut *usable, &mut *kept].into_iter().for_each(Vec::clear);
+        for image in &self.samples.images {
+            let all = pixels.map(|pixel| image[pixel]);
+            samples.push(all.map(Sample::grey));
+            usable.push(all.map(|sample| f32::from(sample.is_usable())));
         }
+        kept.resize(self.count(), [0.0; LANES]);
+        (0..LANES).for_each(|lane| self.keep(lane, scratch));
     }
 
     /// Marks the samples of a pixel that the start keeps, by order statistics.
-    fn keep(&self, pixel: usize, lane: usize, scratch: &mut Scratch) {
-        let count = self.lights.len();
+    fn keep(&self, lane: usize, scratch: &mut Scratch) {
+        let count = self.count();
         let sorted = &mut scratch.sorted;
         sorted.clear();
         sorted.extend(scratch.samples.iter().map(|samples| samples[lane]));
@@ -263,11 +260,10 @@ impl<'a> Robust<'a> {
             rest if rest < above.len() => *above.select_nth_unstable_by(rest, f32::total_cmp).1,
             _ => low,
         };
-        for (k, kept) in scratch.kept.iter_mut().enumerate() {
-            let sample = self.samples.images[k][pixel];
-            let grey = scratch.samples[k][lane];
-            let usable = grey > 0.0 && !sample.is_saturated();
-            kept[lane] = if usable && (low..=high).contains(&grey) { 1.0 } else { 0.0 };
+        let all = scratch.kept.iter_mut().zip(&scratch.samples).zip(&scratch.usable);
+        for ((kept, samples), usable) in all {
+            let is_kept = samples[lane] > 0.0 && (low..=high).contains(&samples[lane]);
+            kept[lane] = if is_kept { usable[lane] } else { 0.0 };
         }
     }
 
@@ -311,13 +307,14 @@ impl<'a> Robust<'a> {
         }
     }
 
-    /// Returns the standard deviations of the residuals of all samples.
+    /// Returns the standard deviations of the residuals of all usable samples.
     fn deviations(&self, scratch: &Scratch) -> [f64; LANES] {
-        let mut squares = [0.0_f32; LANES];
-        for residuals in &scratch.residuals {
-            (0..LANES).for_each(|lane| squares[lane] += residuals[lane] * residuals[lane]);
+        let (mut squares, mut counts) = ([0.0_f32; LANES], [-3.0_f32; LANES]);
+        for (residuals, usable) in scratch.residuals.iter().zip(&scratch.usable) {
+            (0..LANES).for_each(|lane| squares[lane] += usable[lane] * residuals[lane] * residuals[lane]);
+            (0..LANES).for_each(|lane| counts[lane] += usable[lane]);
         }
-        squares.map(|sum| (f64::from(sum) / (self.lights.len() - 3) as f64).sqrt())
+        std::array::from_fn(|lane| (f64::from(squares[lane]) / f64::from(counts[lane].max(1.0))).sqrt())
     }
 
     /// Returns the scale of the residuals of the samples that the start keeps.

@@ -190,7 +190,7 @@ impl Samples {
         }
         let shape = Shape::of(&photographs[0]);
         let pixels = match mask {
-            Some(mask) => pixels_within(mask, shape, "mask")?,
+            Some(mask) => not_empty(white_of(mask, shape, "mask")?, "mask")?,
             None => (0..shape.width * shape.height).collect(),
         };
         let transfer = transfer.of_bits(shape.bits);
@@ -225,6 +225,16 @@ impl Samples {
                 let pixel = [i % self.width, i / self.width].map(|v| v as usize);
                 near(position, place(pixel, [self.width as usize, self.height as usize])).direction
             }
+        }
+    }
+
+    /// Returns the name of a photograph's file, or of the array that it is.
+    pub fn name(&self, k: usize) -> String {
+        match &self.source {
+            ColorSource::Files(paths, _) => {
+                paths[k].file_name().unwrap_or_default().to_string_lossy().into_owned()
+            }
+            _ => format!("images[{k}]"),
         }
     }
 
@@ -320,19 +330,26 @@ fn estimated_bytes(photographs: usize, pixels: usize, shape: Shape) -> u64 {
         + area * (DECODED * threads + 32)
 }
 
-pub(crate) fn mask_pixels(path: &Path, shape: Shape, limits: &Limits) -> Result<Vec<u32>> {
-    pixels_within(&read_photograph_within(path, limits)?, shape, &path.display().to_string())
+/// Returns the white pixels of a mask's file, possibly none.
+pub(crate) fn white_pixels(path: &Path, shape: Shape, limits: &Limits) -> Result<Vec<u32>> {
+    white_of(&read_photograph_within(path, limits)?, shape, &path.display().to_string())
 }
 
-/// Returns the pixels within a mask; `name` is that of the mask in errors.
-fn pixels_within(mask: &Bitmap, shape: Shape, name: &str) -> Result<Vec<u32>> {
+fn mask_pixels(path: &Path, shape: Shape, limits: &Limits) -> Result<Vec<u32>> {
+    not_empty(white_pixels(path, shape, limits)?, &path.display().to_string())
+}
+
+/// Returns the white pixels of a mask; `name` is that of the mask in errors.
+fn white_of(mask: &Bitmap, shape: Shape, name: &str) -> Result<Vec<u32>> {
     if (mask.width(), mask.height()) != (shape.width, shape.height) {
         let what = format!("{name}: a mask of {}x{}", mask.width(), mask.height());
         let why = format!("the photographs have {}x{}; they must be the same", shape.width, shape.height);
         return Err(Error::invalid(what, why));
     }
-    let pixels: Vec<u32> =
-        (0..shape.width * shape.height).filter(|i| is_inside(mask.stored(*i as usize))).collect();
+    Ok((0..shape.width * shape.height).filter(|i| is_inside(mask.stored(*i as usize))).collect())
+}
+
+fn not_empty(pixels: Vec<u32>, name: &str) -> Result<Vec<u32>> {
     match pixels.is_empty() {
         true => Err(Error::invalid(format!("{name}: an empty mask"), "pixels to estimate must be white")),
         false => Ok(pixels),

@@ -36,6 +36,26 @@ pub struct PhotographSet {
     pub relightable: Option<Relightable>,
 }
 
+/// Refuses an output folder that contains one of the inputs of a set: masks and other images in it would be input of the
+/// next estimate.
+///
+/// # Errors
+/// [`Error::Invalid`] with the folder.
+pub fn check_output(inputs: &[PathBuf], folder: &Path) -> Result<()> {
+    // An empty path is the current folder.
+    let resolved = |path: &Path| Path::new(".").join(path).canonicalize().ok();
+    let output = resolved(folder);
+    let is_output = |input: &PathBuf| output.is_some() && input.parent().and_then(resolved) == output;
+    match inputs.iter().any(is_output) {
+        true => Err(Error::invalid(
+            folder.display().to_string(),
+            "the folder of the photographs; the mask and other images written there would be input of the next run: \
+             name another folder",
+        )),
+        false => Ok(()),
+    }
+}
+
 /// The longest file of lights, bytes.
 const LONGEST: usize = 1 << 24;
 
@@ -68,6 +88,13 @@ impl PhotographSet {
             set.balls.push(*ball);
         }
         Ok(set)
+    }
+
+    /// Returns all files that it consists of.
+    pub fn inputs(&self) -> Vec<PathBuf> {
+        let photographs = self.photographs.iter().filter(|_| self.relightable.is_none());
+        let photographs = photographs.map(|photograph| &photograph.path);
+        photographs.chain(&self.files).chain(&self.mask).cloned().collect()
     }
 
     fn find(path: &Path, setup: &Setup, warnings: &mut Warnings, progress: Progress<'_>) -> Result<Self> {

@@ -12,7 +12,7 @@ use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use taotie::Limits;
-use taotie::asset::{Scan, ScanFile, ScanOptions, into_metres};
+use taotie::asset::{Scan, ScanFile, ScanOptions, into_metres, model_unit};
 use taotie::inspection::{Audit, AuditSchema, Inspection, ProductInfo};
 use taotie::studio::{self, MaterialOptions};
 use taotie_engine::bake::low_poly_mesh;
@@ -186,8 +186,14 @@ impl Model {
         }
     }
 
+    /// Returns the options for reading it as a scan, with the unit that its file states.
+    pub fn reading_options(&self) -> ScanOptions {
+        let unit = self.path.as_ref().and_then(|_| model_unit(&self.loaded));
+        self.scan_options.or(ScanOptions { unit, ..ScanOptions::default() })
+    }
+
     /// Returns the same model with other options for reading it as a scan.
-    fn read_as(&self, scan_options: ScanOptions) -> Self {
+    pub fn read_as(&self, scan_options: ScanOptions) -> Self {
         let (loaded, path) = (self.loaded.clone(), self.path.clone());
         Self { loaded, path, limits: self.limits, scan_options, scan: Mutex::default() }
     }
@@ -267,6 +273,11 @@ impl Model {
         let scan_options = given.or(own);
         scan_options.check().map_err(|error| exception(py, &error))?;
         Ok(self.read_as(scan_options))
+    }
+
+    /// The options for reading it as a scan, as JSON, with the unit that its file states.
+    fn reading(&self) -> PyResult<String> {
+        serde_json::to_string(&self.reading_options()).map_err(no_json)
     }
 
     /// The same model without a reference to its file, which may then be removed.

@@ -12,8 +12,8 @@ use taotie_cli::PhotometricFiles;
 use taotie_engine::{Error, Progress, Result, Warnings};
 use taotie_io::{FileSet, Limits};
 use taotie_photometric::{
-    Estimate, Estimator, Light, PhotographSet, PhotometricOptions, Reading, Relief, Samples, note_behind,
-    note_lengths,
+    Estimate, Estimator, Light, PhotographSet, PhotometricOptions, Relief, Samples, check_output,
+    note_behind, note_lengths,
 };
 
 /// Photographs: a path, or images with a row for each light.
@@ -32,6 +32,8 @@ pub struct Normals {
     estimate: Estimate,
     relief: Relief,
     options: PhotometricOptions,
+    /// The files of the photographs, which are never overwritten; none of arrays.
+    inputs: Vec<PathBuf>,
     warnings: Warnings,
 }
 
@@ -79,14 +81,14 @@ impl Photographs<'_> {
     }
 }
 
-fn estimated(source: Source, options: PhotometricOptions, progress: Progress<'_>) -> Result<Normals> {
-    let mut warnings = Warnings::default();
+fn estimated(source: Source, mut options: PhotometricOptions, progress: Progress<'_>) -> Result<Normals> {
+    let (mut warnings, mut inputs) = (Warnings::default(), Vec::new());
     let samples = match source {
         Source::Path(path, mask) => {
             let limits = Limits::default().or_free();
             let set = PhotographSet::open_with(&path, &options.setup(limits), &mut warnings, progress)?;
-            let reading = Reading { mask: mask.as_deref(), ..options.reading(limits) };
-            Samples::read(&set, &reading, progress.begin("read")?)?
+            (inputs, options.mask) = (set.inputs(), mask);
+            Samples::read(&set, &options.reading(limits), progress.begin("read")?)?
         }
         Source::Images { images, lights, mask } => {
             let light = |(i, vector): (usize, [f64; 3])| {
@@ -108,7 +110,7 @@ fn estimated(source: Source, options: PhotometricOptions, progress: Progress<'_>
     warnings.note("a pixel has no normal: too little light, or too few samples that agree", without);
     estimate.note_doubts(&samples, &mut warnings);
     let relief = estimate.relief(progress.begin("depth")?)?;
-    Ok(Normals { estimate, relief, options, warnings })
+    Ok(Normals { estimate, relief, options, inputs, warnings })
 }
 
 #[pymethods]
@@ -144,6 +146,8 @@ impl Normals {
     fn save(&self, py: Python<'_>, folder: PathBuf) -> PyResult<Listed> {
         let warnings = work::detached(py, || {
             let files = FileSet::new();
+            files.protect(self.inputs.iter().chain(&self.options.mask))?;
+            check_output(&self.inputs, &folder)?;
             files.claim_folder(&folder)?;
             let output = PhotometricFiles {
                 folder: &folder,

@@ -5,6 +5,7 @@ use crate::work::{self, Listed};
 use pyo3::prelude::*;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use taotie::asset::ScanOptions;
 use taotie_engine::math::{Mat4, Vec3};
 use taotie_engine::scene::{Instance, Light, LightKind, Scene, SceneData, rigid};
 use taotie_engine::{Result, Warnings};
@@ -19,9 +20,10 @@ pub fn join(py: Python<'_>, parts: Vec<Part>) -> PyResult<Model> {
     work::detached(py, || {
         let mut joined = Joined::default();
         parts.iter().for_each(|(model, columns)| joined.add(model, &Mat4 { columns: *columns }));
+        let options = joined.common_options(parts.iter().map(|(model, _)| model.get().reading_options()));
         let mut loaded = Loaded::new(Scene::new(joined.data)?, joined.warnings, "arrays");
         loaded.mesh_names = joined.mesh_names;
-        Ok(Model::in_memory(loaded))
+        Ok(Model::in_memory(loaded).read_as(options))
     })
 }
 
@@ -47,6 +49,20 @@ impl Joined {
             }
         };
         self.place(&loaded.scene, start, world);
+    }
+
+    /// Returns the options for reading the models as one scan: those that they have in common.
+    fn common_options(&mut self, all: impl Iterator<Item = ScanOptions>) -> ScanOptions {
+        let mut all: Vec<ScanOptions> = all.collect();
+        // Arrays have no unit: they are in that of the others.
+        let unit = all.iter().find_map(|options| options.unit);
+        all.iter_mut().for_each(|options| options.unit = options.unit.or(unit));
+        let first = all.first().copied().unwrap_or_default();
+        let differs = all.iter().any(|options| *options != first);
+        let what =
+            "the models were loaded with different units or options: their numbers are taken as they are";
+        self.warnings.note(what, usize::from(differs));
+        if differs { ScanOptions::default() } else { first }
     }
 
     /// Adds meshes, materials and textures; returns the first mesh and the first material.

@@ -4,10 +4,10 @@ use crate::options;
 use crate::running::{MemoryArgs, RunArgs};
 use anyhow::{Result, bail};
 use clap::Args;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use taotie_engine::length::Unit;
 use taotie_io::FileSet;
-use taotie_photometric::{Circle, PhotographSet, PhotometricOptions, RelightFormat, Transfer};
+use taotie_photometric::{Circle, PhotographSet, PhotometricOptions, RelightFormat, Transfer, check_output};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -120,15 +120,6 @@ fn pixel_size(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Returns true if both are the same existing folder; an empty path is the current one.
-fn is_same(a: &Path, b: &Path) -> bool {
-    let resolved = |path: &Path| {
-        let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
-        path.canonicalize().ok()
-    };
-    resolved(a).is_some_and(|a| resolved(b) == Some(a))
-}
-
 impl PhotometricArgs {
     /// Returns the options that collections have too.
     pub fn options(&self) -> PhotometricOptions {
@@ -151,21 +142,13 @@ impl PhotometricArgs {
 
     /// Rejects outputs that cannot be written or that are inputs.
     pub fn claim(&self, files: &FileSet, set: &PhotographSet) -> Result<()> {
-        files.protect(set.photographs.iter().map(|photograph| &photograph.path))?;
-        files.protect(set.files.iter().chain(&set.mask).chain(&self.mask).chain(&self.truth))?;
-        files.protect(self.scan.iter().chain(&self.pose))?;
+        files.protect(&set.inputs())?;
+        files.protect(self.mask.iter().chain(&self.truth).chain(&self.scan).chain(&self.pose))?;
         let photographs = set.photographs.iter().filter_map(|photograph| photograph.path.file_name());
         let flat: Vec<PathBuf> =
             self.flat.iter().flat_map(|folder| photographs.clone().map(|name| folder.join(name))).collect();
         files.protect(&flat)?;
-        let folders = set.photographs.iter().filter_map(|photograph| photograph.path.parent());
-        if set.relightable.is_none() && folders.into_iter().any(|folder| is_same(folder, &self.output)) {
-            bail!(
-                "-o {}: the folder of the photographs; the mask and other images written there would be input of the next run: \
-                 name another folder",
-                self.output.display()
-            );
-        }
+        check_output(&set.inputs(), &self.output)?;
         files.claim_folder(&self.output)?;
         let anchored = self.scan.as_ref().map(|_| ANCHORED);
         OUTPUTS.into_iter().chain(anchored).try_for_each(|name| files.claim(&self.path(name)))?;

@@ -103,6 +103,9 @@ pub struct PhotographReport {
     pub shadowed: f64,
     /// Fraction of the samples without weight in the fit, in [0, 1].
     pub rejected: f64,
+    /// How far it is shifted from the others, in pixels to the right and down; absent if the surface does not show it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shift: Option<[f64; 2]>,
 }
 
 /// Degrees between estimates and true normals.
@@ -141,6 +144,7 @@ impl Report {
                     residual: light.relative,
                     shadowed: light.shadowed,
                     rejected: light.rejected,
+                    shift: light.shift.map(|shift| shift.pixels),
                 }
             };
         Self {

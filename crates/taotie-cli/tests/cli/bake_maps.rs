@@ -238,18 +238,18 @@ fn channels_hold_what_their_maps_hold() {
     let notes = report["maps"].as_array().unwrap().iter();
     let packed: Vec<String> = notes
         .filter(|note| note["channel"].is_string())
-        .map(|note| format!("{} {} {}", note["file"], note["channel"], note["map"]).replace('"', ""))
+        .map(|note| format!("{} {} {}", note["file"], note["channel"], note["content"]).replace('"', ""))
         .collect();
     let wanted = [
-        "out.unity-mask.png R metallic-roughness",
+        "out.unity-mask.png R metallic",
         "out.unity-mask.png G ao",
-        "out.unity-mask.png A roughness",
-        "out.dirt.png R ao",
+        "out.unity-mask.png A 1-roughness",
+        "out.dirt.png R 1-ao",
         "out.dirt.png G height",
-        "out.dirt.png A normal",
+        "out.dirt.png A normal.g",
         "out.orm.png R ao",
         "out.orm.png G roughness",
-        "out.orm.png B metallic-roughness",
+        "out.orm.png B metallic",
     ];
     assert_eq!(packed, wanted);
     for note in report["maps"].as_array().unwrap().iter().filter(|note| note["channel"].is_string()) {

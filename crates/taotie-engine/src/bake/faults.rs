@@ -49,6 +49,26 @@ impl Faults {
     }
 }
 
+/// Returns the number of triangles at the same corners as another one that faces the opposite way, as the two sides of a
+/// card do.
+pub fn coinciding_sides(mesh: &Mesh) -> usize {
+    let places = surface::by_position(mesh.positions());
+    let sides = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(|v| places.of[v as usize]);
+        let mut sorted = [a, b, c];
+        sorted.sort_unstable();
+        let is_even = [[a, b, c], [b, c, a], [c, a, b]].contains(&sorted);
+        (a != b && b != c && a != c).then_some((sorted, is_even))
+    };
+    let mut found: Vec<([u32; 3], bool)> = mesh.triangles().iter().filter_map(sides).collect();
+    found.sort_unstable();
+    let both = |run: &[([u32; 3], bool)]| {
+        let even = run.iter().filter(|side| side.1).count();
+        2 * even.min(run.len() - even)
+    };
+    found.chunk_by(|a, b| a.0 == b.0).map(both).sum()
+}
+
 /// Returns the positions of each triangle, lowest first; skips triangles with two equal corners.
 pub(super) fn whole_triangles<'m>(
     triangles: &'m [[u32; 3]],
@@ -210,6 +230,23 @@ mod tests {
         assert_eq!(faults(&fin), Faults { open_edges: 2, crowded_edges: 1, ..Faults::default() });
         let twice = [closed.as_slice(), &[[1, 0, 2], [0, 0, 1]]].concat();
         assert_eq!(faults(&twice), Faults { crowded_edges: 3, duplicates: 1, flat: 1, ..Faults::default() });
+    }
+
+    #[test]
+    fn the_sides_of_cards_are_counted() {
+        let count = |triangles: &[[u32; 3]]| {
+            let positions = [[0, 0], [1, 0], [0, 1], [1, 1], [0, 0]];
+            let positions = positions.map(|[x, y]| Vec3::new(x as f32, y as f32, 0.0)).to_vec();
+            let triangles = triangles.to_vec();
+            coinciding_sides(&Mesh::new(MeshData { positions, triangles, ..MeshData::default() }).unwrap())
+        };
+        assert_eq!(
+            count(&[[0, 1, 2], [1, 3, 2], [2, 1, 4], [1, 2, 3]]),
+            4,
+            "vertex 4 is at the position of 0"
+        );
+        assert_eq!(count(&[[0, 1, 2], [1, 2, 0], [1, 3, 2]]), 0, "a duplicate faces the same way");
+        assert_eq!(count(&[[0, 1, 4], [4, 1, 0]]), 0, "no area");
     }
 
     fn moved(mesh: &Mesh, by: f32) -> Mesh {

@@ -30,13 +30,18 @@ impl Verifier<'_> {
     /// closest surface faces the other way, and the mean distance to it as a fraction of `diagonal`; `None` if the
     /// mesh has no area.
     pub fn fit(&self, count: usize, diagonal: f64) -> Option<Fit> {
+        /// Distances that differ by less than this factor count as equal.
+        const EQUAL: f32 = 1.01;
         let point = sample_area(self.mesh, count).ok()?;
+        let rounding = self.scan.mesh().rounding();
         let look = |i: usize| {
             let point = point(i);
             let facing = facet_normal(self.mesh.corners(point.triangle as usize)).unwrap_or_default();
-            let closest = self.scan.bvh().closest(point.position(self.mesh), f32::INFINITY)?;
-            let normal = closest.point().normal(self.scan.mesh());
-            Some((f64::from(closest.distance) / diagonal, normal.dot(facing) < 0.0))
+            let position = point.position(self.mesh);
+            let closest = self.scan.bvh().closest(position, f32::INFINITY)?;
+            let is_turned = closest.point().normal(self.scan.mesh()).dot(facing) < 0.0
+                && !self.scan_faces(facing, position, closest.distance * EQUAL + rounding);
+            Some((f64::from(closest.distance) / diagonal, is_turned))
         };
         let found: Vec<(f64, bool)> = parallel::collect(count, look).into_iter().flatten().collect();
         let part = |of: &dyn Fn(&(f64, bool)) -> bool| {
@@ -47,6 +52,14 @@ impl Verifier<'_> {
             turned: part(&|f| f.1),
             distance: found.iter().map(|f| f.0).sum::<f64>() / found.len().max(1) as f64,
         })
+    }
+
+    /// Returns `true` if a triangle of the scan within `reach` of a point faces the direction `facing`: both sides of a card
+    /// may be as close as each other.
+    fn scan_faces(&self, facing: Vec3, position: Vec3, reach: f32) -> bool {
+        let mesh = self.scan.mesh();
+        let faces_it = |t: u32| facet_normal(mesh.corners(t as usize)).is_some_and(|n| n.dot(facing) > 0.0);
+        self.scan.bvh().closest_of(position, reach, faces_it).is_some()
     }
 }
 
@@ -107,6 +120,7 @@ pub fn uncovered(scan: &Scan, low: &Mesh, count: usize, distance: f64) -> Vec<Ve
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bake::Cage;
     use crate::mesh::MeshData;
     use crate::scene::{Material, Scene};
 
@@ -134,6 +148,24 @@ mod tests {
         assert!(found.low == 0.0 && (found.scan - 0.4).abs() < 0.01, "{found:?}");
         let found = Astray::measure(&whole, &scan(&half), 0.1).unwrap();
         assert!(found.scan == 0.0 && (found.low - 0.4).abs() < 0.01, "{found:?}");
+    }
+
+    #[test]
+    fn both_sides_of_a_card_face_its_scan_but_a_turned_wall_does_not() {
+        let turned = |mesh: &Mesh| {
+            let triangles = mesh.triangles().iter().map(|[a, b, c]| [*a, *c, *b]).collect();
+            let positions = mesh.positions().to_vec();
+            Mesh::new(MeshData { positions, triangles, ..MeshData::default() }).unwrap()
+        };
+        let front = wall(1.0, 8);
+        let card = Mesh::joined(&[front.clone(), turned(&front)]).unwrap();
+        let part = |low: &Mesh, of: &Mesh| {
+            let (scan, cage) = (scan(of), Cage::uniform(low, 0.1).unwrap());
+            Verifier { mesh: low, shown: None, cage: &cage, scan: &scan }.fit(500, 1.0).unwrap().turned
+        };
+        assert_eq!(part(&card, &card), 0.0);
+        assert_eq!(part(&turned(&front), &card), 0.0);
+        assert_eq!(part(&turned(&front), &front), 1.0);
     }
 
     #[test]

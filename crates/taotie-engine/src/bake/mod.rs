@@ -32,7 +32,7 @@ mod verify;
 pub use appearance::{MaterialSample, leading_texture};
 pub use cage::{Cage, CageGroups, RayPreview};
 pub use coverage::{Coverage, TexelGrid};
-pub use faults::{Faults, Shells};
+pub use faults::{Faults, Shells, coinciding_sides};
 pub use fit::{Astray, Fit, uncovered};
 pub use fit_normals::fit_normals;
 pub use maps::{BakeCounts, Baked, BakedMaps, MapContent, MapKind, Maps, Plane, SetSizes, TexelStatus};

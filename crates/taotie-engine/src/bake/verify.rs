@@ -262,9 +262,9 @@ pub struct ErrorMaps {
 pub struct TexelChecks<'a> {
     /// The material whose colours are compared.
     pub colors: Option<&'a TexturedMesh>,
-    /// The material whose texels are compared with the width of the finest detail at a point of the scan, in model
-    /// units.
-    pub detail: Option<(&'a TexturedMesh, &'a (dyn Fn(Point) -> f32 + Sync))>,
+    /// The material whose texels are compared with the scan's detail, and a function that returns the factor by which they
+    /// are coarser, given a point of the scan and the width of a texel, in model units.
+    pub coarser: Option<(&'a TexturedMesh, &'a (dyn Fn(Point, f32) -> f32 + Sync))>,
 }
 
 impl Verifier<'_> {
@@ -304,16 +304,14 @@ impl Verifier<'_> {
         Ok(Some(ErrorMaps {
             angles: field(0)?,
             colors: checks.colors.map(|_| field(1)).transpose()?,
-            coarser: checks.detail.map(|_| field(2)).transpose()?,
+            coarser: checks.coarser.map(|_| field(2)).transpose()?,
         }))
     }
 
     fn errors(&self, point: Point, found: &Correspondence, checks: TexelChecks<'_>) -> [f32; 3] {
         let color = checks.colors.map(|shown| self.color_to(shown, point, found));
-        let coarser = checks.detail.and_then(|(shown, detail)| {
-            let texel = shown.texel_size(point)?;
-            Some(texel / detail(found.point))
-        });
+        let coarser =
+            checks.coarser.and_then(|(shown, coarser)| Some(coarser(found.point, shown.texel_size(point)?)));
         [self.angle_to(point, found), color.unwrap_or(f32::NAN), coarser.unwrap_or(f32::NAN)]
     }
 }

@@ -45,7 +45,7 @@ pub struct SurfaceSample {
     pub distance: f32,
     /// The width of the asset's finest texel there, in model units; NaN without a texture.
     pub texel: f32,
-    /// The same relative to the width of the close-up's pixels, which are as fine as the scan's detail.
+    /// The same relative to the scan's detail, as by [`Coarseness`].
     pub coarser: f32,
 }
 
@@ -70,15 +70,15 @@ pub(super) struct Viewer<'a> {
     pair: &'a Pair<'a>,
     own: &'a Side<'a>,
     other: &'a Side<'a>,
-    footprint: Footprint,
+    coarseness: Coarseness,
     is_of_scan: bool,
 }
 
 impl<'a> Viewer<'a> {
     /// Views points of the scan, and the asset in their place.
     pub fn of_scan(pair: &'a Pair<'a>) -> Self {
-        let footprint = Footprint::of(pair.scan.surface);
-        Self { pair, own: pair.scan, other: pair.asset, footprint, is_of_scan: true }
+        let coarseness = Coarseness::between(pair.scan.surface, pair.asset.surface);
+        Self { pair, own: pair.scan, other: pair.asset, coarseness, is_of_scan: true }
     }
 
     /// Views points of the asset, and the scan in their place.
@@ -111,8 +111,8 @@ impl<'a> Viewer<'a> {
         }
         let on_scan = if self.is_of_scan { Some(point) } else { hit.map(|hit| hit.point()) };
         let on_asset = if self.is_of_scan { hit.map(|hit| hit.point()) } else { Some(point) };
-        let width = on_scan.map_or(self.footprint.least, |at| self.footprint.at(self.pair.scan.surface, at));
-        let pixel = self.footprint.pixel(width);
+        let (scan, footprint) = (self.pair.scan.surface, &self.coarseness.footprint);
+        let pixel = footprint.pixel(on_scan.map_or(footprint.least, |at| footprint.at(scan, at)));
         let look = |surface: &Scan, point: Point| {
             let sample = Sample { at: LookupPoint { point, width: pixel }, toward: line.toward };
             Look::of(surface, [sample], self.pair.properties)
@@ -138,7 +138,7 @@ impl<'a> Viewer<'a> {
             is_missing: !is_beside,
             distance: closest.map_or(f32::INFINITY, |closest| closest.distance),
             texel,
-            coarser: texel / width,
+            coarser: on_scan.map_or(f32::NAN, |at| self.coarseness.at(scan, at, texel)),
         };
         if let Some(hit) = hit {
             let (seen, shown) = (look(own, point), look(other, hit.point()));
@@ -291,8 +291,67 @@ impl Footprint {
     }
 }
 
+/// Compares the texels of an asset with the detail of its scan.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coarseness {
+    /// The detail of the scan.
+    footprint: Footprint,
+    /// Half the asset's median edge, in model units.
+    half_edge: f32,
+}
+
+impl Coarseness {
+    /// Measures the edges of both.
+    pub fn between(scan: &Scan, asset: &Scan) -> Self {
+        Self { footprint: Footprint::of(scan), half_edge: Footprint::of(asset).half_edge }
+    }
+
+    /// Returns the factor by which the asset is coarser than the scan at a point of the scan where the asset's finest texel
+    /// has the width `texel`, in model units: texels compared with those of the scan's textures, and the finer of texels and
+    /// triangles with the scan's triangles. NaN if `texel` is.
+    pub fn at(&self, scan: &Scan, point: Point, texel: f32) -> f32 {
+        let Self { footprint: Footprint { half_edge, least, .. }, half_edge: own } = *self;
+        if texel.is_nan() {
+            return texel;
+        }
+        let of_textures = scan.surface().texel_size(point).map_or(0.0, |width| texel / width.max(least));
+        of_textures.max(texel.min(own) / half_edge.max(least))
+    }
+}
+
 /// Returns the lengths of a triangle's edges.
 pub fn edges(mesh: &Mesh, triangle: usize) -> [f32; 3] {
     let [a, b, c] = mesh.corners(triangle);
     [b - a, c - b, a - c].map(Vec3::length)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::{Bitmap, Encoding, Sampler, Texels, Texture};
+    use crate::scene::{Material, Scene, TextureRef, UvTransform};
+
+    fn ball(columns: usize) -> Scene {
+        Scene::of_mesh(Mesh::sphere(1.0, columns, columns / 2), Material::default()).unwrap()
+    }
+
+    #[test]
+    fn texels_may_be_coarse_where_triangles_are_as_fine_as_the_scan_s() {
+        let point = Point { triangle: 4000, weights: [1.0 / 3.0; 3] };
+        let [fine, coarse] = [96, 12].map(|columns| Scan::new(ball(columns)).unwrap());
+        let of = |scan: &Scan, asset: &Scan| Coarseness::between(scan, asset).at(scan, point, 1.0);
+        assert_eq!(of(&fine, &fine), 1.0);
+        assert!((7.0..9.0).contains(&of(&fine, &coarse)), "{}", of(&fine, &coarse));
+        let mut textured = ball(96);
+        let texels = Texels::U8(vec![[255; 4]; 1024 * 512]);
+        let texture = Texture::new(Bitmap::new(1024, 512, 4, texels).unwrap(), Encoding::Srgb);
+        let (sampler, transform) = (Sampler::default(), UvTransform::default());
+        let base_color_texture = Some(TextureRef { texture: 0, uv_set: 0, sampler, transform });
+        let material = Material { base_color_texture, ..Material::default() };
+        textured.edit(|scene| (scene.textures, scene.materials) = (vec![texture], vec![material])).unwrap();
+        let textured = Scan::new(textured).unwrap();
+        assert!(of(&textured, &textured) > 100.0, "its texels are as wide as 1/300 of its radius");
+        let width = textured.surface().texel_size(point).unwrap();
+        assert_eq!(Coarseness::between(&textured, &coarse).at(&textured, point, width), 1.0);
+    }
 }

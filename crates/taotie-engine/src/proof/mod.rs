@@ -14,7 +14,7 @@ mod patch;
 mod silhouette;
 mod statistics;
 
-pub use close_up::{CloseUp, Footprint, SurfaceSample, edges};
+pub use close_up::{CloseUp, Coarseness, Footprint, SurfaceSample, edges};
 pub use distance::{DistanceBounds, Source, distance_bounds, hausdorff, root_mean_square, stray};
 pub use map_error::{MapCheck, MapError, StoredMap};
 pub use mismatch::Mismatch;

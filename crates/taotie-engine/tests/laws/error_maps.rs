@@ -26,8 +26,8 @@ fn maps(asset: Scene) -> Option<ErrorMaps> {
     let (scan, shown) = (bake::Scan::new(finer).unwrap(), TexturedMesh::new(asset).unwrap());
     let cage = Cage::automatic(shown.mesh(), &scan);
     let verifier = Verifier { mesh: shown.mesh(), shown: Some(&shown), cage: &cage, scan: &scan };
-    let detail = |_| 0.01;
-    let checks = TexelChecks { colors: Some(&shown), detail: Some((&shown, &detail)) };
+    let coarser = |_, texel: f32| texel / 0.01;
+    let checks = TexelChecks { colors: Some(&shown), coarser: Some((&shown, &coarser)) };
     verifier.error_maps([64, 32], checks).unwrap()
 }
 

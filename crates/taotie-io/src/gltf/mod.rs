@@ -153,7 +153,11 @@ impl Shapes {
         let structure = statistics::structure(document, &nodes);
         let placed =
             shown.shown_by.iter().zip(scene.instances.iter().map(|instance| &mesh_names[instance.mesh]));
-        let of_node = |node: usize| document.root.nodes.get(node)?.name.clone();
+        let named = nodes.named_for_baking(document);
+        let of_node = |node: usize| {
+            let named = *named.get(node)?;
+            document.root.nodes[named.unwrap_or(node)].name.clone()
+        };
         let object = |(i, (node, mesh)): (usize, (&Option<usize>, &String))| {
             // Instances without a node are separate objects.
             (node.ok_or(i), node.and_then(of_node).unwrap_or_else(|| mesh.clone()))

@@ -6,6 +6,7 @@ use super::accessor::Accessor;
 use super::document::Document;
 use super::raw::{INSTANCING, VISIBILITY};
 use crate::reading::{Reason, no_such};
+use crate::text::is_for_baking;
 use gltf::json::animation::{Interpolation as JsonInterpolation, Property};
 use gltf::json::extensions::scene::khr_lights_punctual::{Light as JsonLight, Type as LightType};
 use gltf::json::validation::Checked;
@@ -71,6 +72,18 @@ impl Nodes {
             other => other,
         })?;
         Ok(Self { nodes, instances, world, shown, placed, levels: levels.count, coverage: levels.coverage })
+    }
+
+    /// Returns for each node of the file the nearest one that is named for baking: itself or an ancestor.
+    pub fn named_for_baking(&self, document: &Document) -> Vec<Option<usize>> {
+        let all = &document.root.nodes;
+        let mut named = vec![None; all.len()];
+        for node in &self.placed {
+            let is_named = all[*node].name.as_deref().is_some_and(is_for_baking);
+            let of_parent = || self.nodes[*node].parent.and_then(|parent| named[parent]);
+            named[*node] = is_named.then_some(*node).or_else(of_parent);
+        }
+        named
     }
 }
 

@@ -1,7 +1,7 @@
 //! The content of an OBJ file, as stored: its arrays, its faces with their corners, and the objects and groups that
 //! name them.
 
-use super::super::text::{HIGH_MARK, LOW_MARK, Words, name_before, quote};
+use super::super::text::{Words, is_for_baking, quote};
 use std::collections::HashMap;
 use taotie_engine::math::{Vec2, Vec3};
 
@@ -135,9 +135,7 @@ impl Marks {
     /// Returns the number of the object of each chosen mark, equal for equal names, if objects are named for baking
     /// (`wheel_low`, `wheel_high`), so that each must be a mesh; empty if faces of one material are one mesh.
     pub fn kept_apart(&self) -> Vec<u32> {
-        let is_for_baking =
-            |mark: &Mark| [LOW_MARK, HIGH_MARK].iter().any(|end| name_before(&mark.name, end).is_some());
-        if !self.chosen().iter().any(is_for_baking) {
+        if !self.chosen().iter().any(|mark| is_for_baking(&mark.name)) {
             return Vec::new();
         }
         let (mut numbers, mut of_marks) = (HashMap::new(), Vec::new());

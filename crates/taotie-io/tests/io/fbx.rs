@@ -218,6 +218,16 @@ fn hidden_nodes_hide_those_below_them_unless_these_do_not_inherit() {
 }
 
 #[test]
+fn parts_of_a_group_that_is_named_for_baking_have_its_name() {
+    let names = |group: &str| {
+        let text = with(PANEL, "Model::frame", &format!("Model::{group}"));
+        load(&with(&text, "\"OO\",203,0", "\"OO\",203,200")).objects.names
+    };
+    assert_eq!(names("house_high"), ["panel_high", "panel_low", "house_high"], "the roof");
+    assert_eq!(names("house"), ["panel_high", "panel_low", "roof"]);
+}
+
+#[test]
 fn what_is_not_read_is_noted() {
     let objects = "\tModel: 600, \"Model::sun\", \"Light\" {\n\t\tVersion: 232\n\t}\n\
                    \tNodeAttribute: 601, \"NodeAttribute::sun\", \"Light\" {\n\t\tTypeFlags: \"Light\"\n\t}\n\

@@ -5,7 +5,7 @@ use super::layout::Layout;
 use super::model::Model;
 use super::sight::{Seen, Sight};
 use crate::photograph::{Shape, Transfer, decodable, is_transparent};
-use crate::samples::mask_pixels;
+use crate::samples::white_pixels;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use taotie_engine::error::{Error, Result};
 use taotie_engine::image::{Bitmap, MipFilter, Sampler, Texels, Texture, Wrap};
@@ -205,7 +205,8 @@ fn left_out(frame: &Frame, bitmap: &Bitmap, limits: &Limits) -> Result<Vec<bool>
     if let Some(path) = &frame.mask {
         let shape = Shape::of(bitmap);
         left_out.resize(count, false);
-        let mut inside = mask_pixels(path, shape, limits)?.into_iter().peekable();
+        // The object may not be in this frame.
+        let mut inside = white_pixels(path, shape, limits)?.into_iter().peekable();
         for (i, left_out) in left_out.iter_mut().enumerate() {
             *left_out |= inside.next_if(|next| *next as usize == i).is_none();
         }

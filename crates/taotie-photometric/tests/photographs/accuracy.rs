@@ -35,6 +35,8 @@ struct Accuracy {
 
 fn accuracy(photographs: &Photographs) -> Accuracy {
     let estimate = estimate(photographs);
+    let shifts = estimate.lights.iter().filter_map(|light| light.shift);
+    assert!(shifts.clone().all(|shift| !shift.is_moved()), "{:?}", shifts.collect::<Vec<_>>());
     let mean = |estimator| {
         angular_error(&estimate.normals(estimator), &photographs.truth).unwrap().summary().unwrap().mean
     };

@@ -29,7 +29,7 @@ fn errors(scan: Material, asset: Material) -> (MaterialError, Field) {
     let cage = Cage::automatic(shown.mesh(), &scan);
     let verifier = Verifier { mesh: shown.mesh(), shown: None, cage: &cage, scan: &scan };
     let error = verifier.material_error(&shown, 500).unwrap();
-    let checks = TexelChecks { colors: Some(&shown), detail: None };
+    let checks = TexelChecks { colors: Some(&shown), coarser: None };
     (error, verifier.error_maps([16, 8], checks).unwrap().unwrap().colors.unwrap())
 }
 

@@ -436,6 +436,14 @@ pub(super) fn note_layers(scenes: [&Scene; 2], warnings: &mut Warnings) {
     }
 }
 
+/// Notes that an asset lacks the backs of its scan's double-sided surfaces, if it lacks anything.
+pub(super) fn note_sides([scan, asset]: [&Scene; 2], figures: &Figures, warnings: &mut Warnings) {
+    let is_double = |scene: &Scene| used_materials(scene).any(|material| material.double_sided);
+    let lacks = figures.finest().is_some_and(|figures| figures.coverage.missed_of_scan > MISSED);
+    let what = "the asset has no backs, unlike the double-sided scan: make its materials double-sided";
+    warnings.note(what, usize::from(lacks && is_double(scan) && !is_double(asset)));
+}
+
 /// Returns the maps of an asset that are not compared with anything.
 pub(super) fn unproved_maps(maps: &[MapNote]) -> Vec<String> {
     let mut unproved: Vec<String> = Vec::new();
@@ -553,6 +561,21 @@ mod tests {
 
     fn ball(material: Material) -> Scene {
         Scene::of_mesh(Mesh::sphere(1.0, 8, 4), material).unwrap()
+    }
+
+    #[test]
+    fn lacking_backs_are_explained() {
+        let with = |double_sided| ball(Material { double_sided, ..Material::default() });
+        let mut level = LevelFigures::default();
+        level.coverage.missed_of_scan = 0.5;
+        let figures = Figures { levels: vec![level], ..Figures::default() };
+        for (figures, of_asset, wanted) in
+            [(&figures, false, 1), (&figures, true, 0), (&Figures::default(), false, 0)]
+        {
+            let mut warnings = Warnings::default();
+            note_sides([&with(true), &with(of_asset)], figures, &mut warnings);
+            assert_eq!(warnings.iter().count(), wanted);
+        }
     }
 
     #[test]

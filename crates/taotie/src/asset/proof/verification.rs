@@ -25,7 +25,7 @@ use taotie_engine::math::{Vec2, Vec3};
 use taotie_engine::mesh::Point;
 use taotie_engine::pixel::occluded;
 use taotie_engine::progress::Progress;
-use taotie_engine::proof::{Footprint, MapCheck, MapError, StoredMap};
+use taotie_engine::proof::{Coarseness, MapCheck, MapError, StoredMap};
 use taotie_engine::scene::{GreenChannel, NormalSpace, Scene};
 use taotie_io::{GltfSizes, GltfSource, Limits, Loaded};
 
@@ -216,6 +216,7 @@ fn prove(shown: Shown, scan: Scan, options: &VerifyOptions, progress: Progress<'
     figures.unseen = unseen([&scan, &scenes[0]], poses);
     figures.unseen.extend(unlit);
     findings::note_layers([&scan, &scenes[0]], &mut warnings);
+    findings::note_sides([&scan, &scenes[0]], &figures, &mut warnings);
     let mut looks = pictures::take(scan, scenes, Wanted { side: options.view, close_ups }, views)?;
     if !has_material {
         looks.full.clear();
@@ -239,22 +240,22 @@ fn close_ups(figures: &Figures, finest: &ShownLevel<'_>, side: u32) -> Result<Cl
 /// Returns the maps of normal errors, of colour errors, and of lost detail, of all parts with uvs, with at most
 /// `most` texels along a side.
 fn maps(level: &ShownLevel<'_>, scan: &bake::Scan, most: u32) -> Result<[Option<Field>; 3]> {
-    let footprint = Footprint::of(scan);
-    let detail = |point: Point| footprint.at(scan, point);
-    let (mut angles, mut colors, mut coarser) = (Vec::new(), Vec::new(), Vec::new());
+    let coarseness = Coarseness::between(scan, &level.surface);
+    let coarser = |point: Point, texel: f32| coarseness.at(scan, point, texel);
+    let (mut angles, mut colors, mut details) = (Vec::new(), Vec::new(), Vec::new());
     for (part, surface) in level.parts.iter().zip(level.part_surfaces()) {
         let has_uvs = !part.shown.mesh().uvs().is_empty();
         let Some(size) = part.shown.map_size().filter(|_| has_uvs).map(|size| within(size, most)) else {
             continue;
         };
-        let checks = TexelChecks { colors: surface.material, detail: Some((&part.shown, &detail)) };
+        let checks = TexelChecks { colors: surface.material, coarser: Some((&part.shown, &coarser)) };
         let Some(found) = surface.mapped.error_maps(size, checks)? else { continue };
         angles.push(found.angles);
         colors.extend(found.colors);
-        coarser.extend(found.coarser);
+        details.extend(found.coarser);
     }
     let stack = |maps: &[Field]| (!maps.is_empty()).then(|| stacked(maps)).transpose();
-    Ok([stack(&angles)?, stack(&colors)?, stack(&coarser)?])
+    Ok([stack(&angles)?, stack(&colors)?, stack(&details)?])
 }
 
 impl WrittenAsset {

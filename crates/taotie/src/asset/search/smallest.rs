@@ -134,8 +134,8 @@ fn none_near_enough(required: &[Requirement], nearest: &Trial) -> String {
     let colors = mean_color.zip(p95_color);
     let colors = colors.map_or_else(String::new, |(mean, p95)| format!(", ΔE {mean:.2} and p95 {p95:.2}"));
     format!(
-        "no candidate meets {}; the nearest has {triangles} triangles with a mean angle of {mean_angle:.3}° and \
-         p95 {p95_angle:.3}°{colors}",
+        "no candidate meets {} by the search's own, coarser measurement; the nearest has {triangles} triangles with a \
+         mean angle of {mean_angle:.3}° and p95 {p95_angle:.3}°{colors}: its proof decides",
         requirement::argument(&Goal::decided(required))
     )
 }

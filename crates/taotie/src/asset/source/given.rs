@@ -1,8 +1,10 @@
 //! The inputs of a bake besides the scan, read before the work begins: the given low-poly mesh, with the kept parts
 //! of its material, and the cage.
 
-use super::low_file::{self, Document, Groups, Read, shown_materials};
-use super::low_material::{LowLook, Stripped, note_samplers};
+use super::low_file::{self, Document, Groups, Read};
+use super::low_material::{
+    LowLook, Stripped, note_samplers, show_fronts_of_cards, shown_materials, triangles_by_material,
+};
 use super::low_poly::{
     CageMesh, KeptMaterial, KeptTextures, LowPoly, Origin, RayLength, Rays, Skew, Tile, framed, unwrapped,
 };
@@ -49,6 +51,9 @@ impl Inputs {
             Some(source) => {
                 let reading = progress.begin("read the low-poly mesh")?;
                 let mut read = reader.read(source)?;
+                if !read.is_gltf {
+                    read.scene = show_fronts_of_cards(read.scene, &mut reader.warnings)?;
+                }
                 if options.new_uvs {
                     read.without_uvs(options.ray_colors)?;
                 }
@@ -171,7 +176,7 @@ impl GivenMesh {
     fn of_document(document: Document, scene: Scene) -> Result<Self> {
         let numbers = shown_materials(&scene);
         let labels = low_file::labels(&scene, &numbers);
-        let mut triangles = low_file::triangles_by_material(&scene);
+        let mut triangles = triangles_by_material(&scene);
         let part = |(number, label): (usize, String)| {
             let material = scene.materials()[number].clone();
             let triangles = triangles.remove(&number).unwrap_or_default();

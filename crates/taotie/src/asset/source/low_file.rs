@@ -5,11 +5,11 @@
 //! and back in assets.
 
 use super::corrections::{from_metres, is_in_unit, root_scale};
+use super::low_material::shown_materials;
 use super::scan::Scan;
 use super::size::{all_files, check_extent, is_gltf, stated_unit};
 use crate::asset::ask::{BakeOptions, MeshSource};
 use std::collections::{BTreeMap, BTreeSet};
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use taotie_engine::bake::{CageGroups, MapKind};
@@ -19,7 +19,8 @@ use taotie_engine::mesh::Mesh;
 use taotie_engine::names::Named;
 use taotie_engine::scene::{Material, NormalSpace, Scene};
 use taotie_engine::surface::with_normals;
-use taotie_io::{GltfFormat, GltfGraft, GltfSource, HIGH_MARK, LOW_MARK, Limits, Objects, name_before};
+use taotie_io::{GltfFormat, GltfGraft, GltfSource, HIGH_MARK, LOW_MARK, Limits, Objects};
+use taotie_io::{listed, name_before, quote};
 
 /// The contents of a mesh file.
 pub(super) struct Read {
@@ -172,23 +173,6 @@ impl Source {
             Self::Made(bytes) => GltfSource::Glb(bytes),
         }
     }
-}
-
-/// Returns the numbers of the visible materials, in order.
-pub(super) fn shown_materials(scene: &Scene) -> BTreeSet<usize> {
-    scene.instances().iter().map(|instance| instance.material).collect()
-}
-
-/// Returns the triangles of each material among all visible ones.
-pub(super) fn triangles_by_material(scene: &Scene) -> BTreeMap<usize, Vec<Range<usize>>> {
-    let mut ranges: BTreeMap<usize, Vec<Range<usize>>> = BTreeMap::new();
-    let mut first = 0;
-    for instance in scene.instances() {
-        let end = first + scene.meshes()[instance.mesh].triangles().len();
-        ranges.entry(instance.material).or_default().push(first..end);
-        first = end;
-    }
-    ranges
 }
 
 /// Returns the file that an asset keeps, or whose materials get standalone maps; `None` if the mesh is merged into one
@@ -422,18 +406,24 @@ impl Groups {
         let [low_groups, high_groups] =
             [&of_low, &of_high].map(|all| all.iter().map(number).collect::<Vec<Option<u32>>>());
         let is_one = names.len() == 1 && low_groups.iter().chain(&high_groups).all(Option::is_some);
+        let is_any_marked = |names: &[Option<String>]| names.iter().any(Option::is_some);
+        let is_none = names.is_empty() && is_any_marked(&of_low) && is_any_marked(&of_high);
+        let what =
+            "objects are named for baking, but no name of the low-poly mesh has a counterpart in the scan";
+        warnings.note(what, usize::from(is_none));
         if names.is_empty() || is_one {
             return None;
         }
-        let without = |groups: &[Option<u32>]| groups.iter().filter(|group| group.is_none()).count();
-        warnings.note(
-            "objects of the low-poly mesh without a counterpart by name: they show whatever is nearest",
-            without(&low_groups),
-        );
-        warnings.note(
-            "objects of the scan without a counterpart by name: no matched object shows them",
-            without(&high_groups),
-        );
+        let mut note = |what: &str, objects: &Objects, groups: &[Option<u32>]| {
+            let all = objects.names.iter().zip(groups).filter(|(_, group)| group.is_none());
+            let all: Vec<String> = all.map(|(name, _)| quote(name)).collect();
+            warnings.note(format!("{what}: {}", listed(&all)), all.len());
+        };
+        let nearest =
+            "objects of the low-poly mesh without a counterpart by name, which show whatever is nearest";
+        note(nearest, low, &low_groups);
+        let unseen = "objects of the scan without a counterpart by name, which no matched object shows";
+        note(unseen, high, &high_groups);
         let of_instances = |objects: &Objects, groups: &[Option<u32>]| -> Vec<Option<u32>> {
             objects.of_instances.iter().map(|object| groups[*object as usize]).collect()
         };
@@ -576,25 +566,27 @@ mod tests {
         assert_eq!(groups.names, ["axle", "wheel"]);
         assert_eq!(groups.of_low, [Some(1), Some(0), Some(1), None]);
         assert_eq!(*groups.of_high, [Some(0), Some(1), Some(1), None, None]);
-        let counts: Vec<usize> = warnings.iter().map(|(_, count)| count).collect();
-        assert_eq!(counts, [1, 2], "the cart; dust and hook");
+        let noted: Vec<(&str, usize)> = warnings.iter().collect();
+        assert!(noted[0].0.ends_with("'cart'") && noted[0].1 == 1, "{noted:?}");
+        assert!(noted[1].0.ends_with("'dust', 'hook_high'") && noted[1].1 == 2, "{noted:?}");
         let mesh = groups.of_mesh([(1, 2), (3, 1)].into_iter());
         assert_eq!(mesh.of_triangle, [Some(0), Some(0), None]);
     }
 
     #[test]
     fn other_names_match_nothing() {
-        let mut warnings = Warnings::default();
-        for (low, high) in [
-            (&["wheel"][..], &["wheel"][..]),
-            (&["a_low"], &["b_high"]),
-            (&["a_lower"], &["a_higher"]),
-            (&["_low"], &["_high"]),
-            (&["a_low", "a_low"], &["a_high"]),
-            (&[], &[]),
+        for (low, high, notes) in [
+            (&["wheel"][..], &["wheel"][..], 0),
+            (&["a_low"], &["b_high"], 1),
+            (&["a_low"], &["b"], 0),
+            (&["a_lower"], &["a_higher"], 0),
+            (&["_low"], &["_high"], 0),
+            (&["a_low", "a_low"], &["a_high"], 0),
+            (&[], &[], 0),
         ] {
+            let mut warnings = Warnings::default();
             assert_eq!(Groups::matched([&objects(low), &objects(high)], &mut warnings), None, "{low:?}");
+            assert_eq!(warnings.iter().count(), notes, "{low:?}");
         }
-        assert!(warnings.is_empty());
     }
 }

@@ -4,7 +4,9 @@
 use super::low_poly::KeptTextures;
 use super::material::Property;
 use crate::asset::ask::BakeOptions;
-use taotie_engine::bake::MapKind;
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
+use taotie_engine::bake::{self, MapKind};
 use taotie_engine::error::{Result, Warnings};
 use taotie_engine::image::{Bitmap, Encoding, Sampler, TexelFilter, Texture, Wrap};
 use taotie_engine::math::{Vec2, poly};
@@ -36,6 +38,38 @@ impl LowLook<'_> {
             _ => is_unsaid,
         }
     }
+}
+
+/// Makes all materials of a scene single-sided if both sides of its cards are modelled: seen from both sides, they would
+/// flicker. For formats that do not state the sidedness.
+pub(super) fn show_fronts_of_cards(scene: Scene, warnings: &mut Warnings) -> Result<Scene> {
+    let count = scene.meshes().iter().map(bake::coinciding_sides).sum();
+    if count == 0 || !scene.materials().iter().any(|material| material.double_sided) {
+        return Ok(scene);
+    }
+    let what = "triangles of the low-poly mesh at the same place face opposite ways, as the sides of a card do: all of \
+                it is single-sided";
+    warnings.note(what, count);
+    let mut data = scene.into_data();
+    data.materials.iter_mut().for_each(|material| material.double_sided = false);
+    Scene::new(data)
+}
+
+/// Returns the numbers of the visible materials, in order.
+pub(super) fn shown_materials(scene: &Scene) -> BTreeSet<usize> {
+    scene.instances().iter().map(|instance| instance.material).collect()
+}
+
+/// Returns the triangles of each material among all visible ones.
+pub(super) fn triangles_by_material(scene: &Scene) -> BTreeMap<usize, Vec<Range<usize>>> {
+    let mut ranges: BTreeMap<usize, Vec<Range<usize>>> = BTreeMap::new();
+    let mut first = 0;
+    for instance in scene.instances() {
+        let end = first + scene.meshes()[instance.mesh].triangles().len();
+        ranges.entry(instance.material).or_default().push(first..end);
+        first = end;
+    }
+    ranges
 }
 
 /// The parts of a low-poly mesh's material that no asset can keep: removed first, so that the scan's can replace
@@ -266,7 +300,8 @@ mod tests {
     use super::*;
     use crate::asset::bake::BakePlan;
     use taotie_engine::image::Texels;
-    use taotie_engine::mesh::Mesh;
+    use taotie_engine::math::Vec3;
+    use taotie_engine::mesh::{Mesh, MeshData};
     use taotie_engine::scene::Clearcoat;
 
     /// A scene with a texture of four channels.
@@ -390,6 +425,22 @@ mod tests {
         let material = Material { metallic: 0.5, ..Material::default() };
         let metalness = Metalness::of(&material, &kept, [map, 1]);
         (0..map as usize).map(|i| metalness.at(i)).collect()
+    }
+
+    #[test]
+    fn sides_of_cards_are_single() {
+        let positions = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(|[x, y]| Vec3::new(x, y, 0.0)).to_vec();
+        let is_double = |triangles: &[[u32; 3]]| {
+            let triangles = triangles.to_vec();
+            let mesh = Mesh::new(MeshData { positions: positions.clone(), triangles, ..MeshData::default() });
+            let material = Material { double_sided: true, ..Material::default() };
+            let mut warnings = Warnings::default();
+            let scene = Scene::of_mesh(mesh.unwrap(), material).unwrap();
+            let shown = show_fronts_of_cards(scene, &mut warnings).unwrap();
+            (shown.materials()[0].double_sided, warnings.iter().count())
+        };
+        assert_eq!(is_double(&[[0, 1, 2], [2, 1, 0]]), (false, 1));
+        assert_eq!(is_double(&[[0, 1, 2], [1, 2, 0]]), (true, 0));
     }
 
     #[test]

@@ -55,7 +55,10 @@ pub struct MapNote {
     /// The channel of the file that holds it, `R`, `G`, `B` or `A`, if the file packs several maps.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub channel: Option<Cow<'static, str>>,
-    /// The content of this channel; `None` if the file does not pack several maps.
+    /// The content of this channel: a map or one of its components, such as `1-roughness` or `normal.g`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub content: Option<Cow<'static, str>>,
+    /// The packed channel that it describes; `None` if the file does not pack several maps.
     #[serde(skip)]
     pub(in crate::asset) packed: Option<Packed>,
     /// How far the values are from the scan's, measured by the proof for maps that no figure covers.
@@ -98,6 +101,7 @@ impl MapNote {
             origin: None,
             legend: BTreeMap::new(),
             channel: None,
+            content: None,
             packed: None,
             error: None,
         }
@@ -116,6 +120,7 @@ impl MapNote {
             origin: own.origin,
             legend: own.legend.clone(),
             channel: None,
+            content: None,
             packed: None,
             error: None,
         }
@@ -283,6 +288,7 @@ impl PackedChannels<'_> {
                 origin: self.own(map.quantity.map()).and_then(|own| own.origin),
                 legend: BTreeMap::new(),
                 channel: Some(CHANNELS[number].into()),
+                content: Some(map.to_string().into()),
                 packed: Some(Packed { texture: self.channels.name().to_owned(), number, map }),
                 error: None,
             })
@@ -480,12 +486,18 @@ impl StoredValues {
 /// # Errors
 /// [`Error::Unsupported`] for OpenEXR without the feature `exr`.
 pub(super) fn encode_numbers(bitmap: &Bitmap, meaning: Meaning, format: MapFormat) -> Result<Vec<u8>> {
-    let channels = if matches!(bitmap.channels(), 2 | 4) { 4 } else { 3 };
+    // Programs expect colours in OpenEXR.
+    let channels = match (bitmap.channels(), format) {
+        (1, MapFormat::Tiff) => 1,
+        (2 | 4, _) => 4,
+        _ => 3,
+    };
     let texels = (bitmap.width() * bitmap.height()) as usize;
     let mut samples = Vec::with_capacity(texels * channels);
     for texel in (0..texels).map(|i| bitmap.stored(i)) {
-        samples.extend(texel[..3].iter().map(|code| meaning.number(*code)));
-        samples.extend(&texel[3..channels]);
+        let numbers = channels.min(3);
+        samples.extend(texel[..numbers].iter().map(|code| meaning.number(*code)));
+        samples.extend(&texel[numbers..channels]);
     }
     let size = [bitmap.width(), bitmap.height()];
     match format {

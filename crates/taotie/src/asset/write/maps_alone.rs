@@ -181,6 +181,7 @@ impl<'a> MapFile<'a> {
             origin: self.origin,
             legend: self.legend.cloned().unwrap_or_default(),
             channel: None,
+            content: None,
             packed: None,
             error: None,
         })

@@ -366,9 +366,14 @@ fn notes(made: &Made, packing: &Packing, files: &[FileBytes]) -> Warnings {
     }
     // The result of a search exceeds its target by at most that.
     let of_metadata = if made.rounding.is_some() { METADATA } else { 0 };
+    let advice = match (made.rounding.is_some(), packing.meshopt) {
+        (true, _) => "",
+        (false, true) => "; use smaller maps",
+        (false, false) => "; use smaller maps, or compress its geometry",
+    };
     let (of_scan, all) = (made.about.bytes, files.iter().map(|file| file.bytes.len() as u64).sum::<u64>());
     warnings.note(
-        format!("the asset is larger than its scan: {all} bytes instead of {of_scan}; use smaller maps, or pack it"),
+        format!("the asset is larger than its scan: {all} bytes instead of {of_scan}{advice}"),
         usize::from(of_scan > 0 && all > of_scan + of_metadata),
     );
     warnings

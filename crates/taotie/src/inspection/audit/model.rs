@@ -1,7 +1,7 @@
 //! Checks of the model as a whole: the size of the file and the number of its parts, the edges of its meshes, and its
 //! dimensions.
 
-use super::check::{AuditRange, Check, CheckResult, counted, listed, number, rounded};
+use super::check::{AuditRange, Check, CheckResult, counted, number, rounded};
 use super::schema::{
     AuditSchema, DimensionSchema, DimensionsSchema, ModelSchema, ProductDimensions, ProductInfo,
 };
@@ -11,7 +11,7 @@ use taotie_engine::mesh::Mesh;
 use taotie_engine::parallel;
 use taotie_engine::scene::Scene;
 use taotie_engine::surface::by_position;
-use taotie_io::{GltfStructure, Loaded, RootNode};
+use taotie_io::{GltfStructure, Loaded, RootNode, listed};
 
 /// Checks the size of the file and the number of its parts.
 pub(super) fn counts(loaded: &Loaded, schema: &AuditSchema) -> Vec<CheckResult> {

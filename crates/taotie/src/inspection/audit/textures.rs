@@ -1,14 +1,14 @@
 //! Checks of textures: their sizes, the range of their base colours, and their texel density, the number of texels
 //! per metre of the surface.
 
-use super::check::{AuditRange, Check, CheckResult, listed, rounded};
+use super::check::{AuditRange, Check, CheckResult, rounded};
 use super::schema::TextureSchema;
 use std::collections::{BTreeMap, BTreeSet};
 use taotie_engine::image::{Bitmap, Texels};
 use taotie_engine::math::Vec2;
 use taotie_engine::parallel;
 use taotie_engine::scene::{Instance, Scene};
-use taotie_io::Loaded;
+use taotie_io::{Loaded, listed};
 
 const NO_TEXTURES: &str = "no textures";
 
