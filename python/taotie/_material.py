@@ -105,7 +105,7 @@ class Material(Value):
         has_glow, has_mr = self.emissive_map is not None, self.metallic_roughness_map is not None
         emissive = 1.0 if self.emissive is None and has_glow else self.emissive
         factors = {
-            "base_color": None if self.base_color is None else rgb(self.base_color),
+            "base_color": None if self.base_color is None else _reflectance(self.base_color),
             "metallic": 1.0 if self.metallic is None and has_mr else self.metallic,
             "roughness": 1.0 if self.roughness is None and has_mr else self.roughness,
             "slope": self.slope,
@@ -139,6 +139,10 @@ def material(value: Material | PathLike | None) -> Material:
     return Material(value)
 
 
+# How far floats of maps may be outside [0, 1].
+_OVERSHOT = 0.1
+
+
 def _texture(name: str, values: Any) -> str | Array | None:
     """Return a map as a path or as an array that is encoded as in a file."""
     if values is None:
@@ -148,22 +152,19 @@ def _texture(name: str, values: Any) -> str | Array | None:
         return found
     if not np.isfinite(found).all():
         raise invalid(name, "an infinite number or NaN; expected finite numbers")
-    if name == "normal_map" and found.shape[2] >= 3 and _is_signed(found[:, :, :3]):
-        return np.concatenate([found[:, :, :3] / 2 + np.float32(0.5), found[:, :, 3:]], axis=2)
+    least, most = float(found.min()), float(found.max())
+    # Emission may exceed 1, and so may heights; resampling overshoots a little.
+    if name not in ("normal_map", "height_map", "emissive_map") and not -_OVERSHOT <= least <= most <= 1 + _OVERSHOT:
+        raise invalid(name, f"values from {least:g} to {most:g}; floats are linear, 0 to 1; pass codes of 0 to 255 as uint8")
     return found
 
 
-def _is_signed(vectors: Array) -> bool:
-    """Return true for vectors in [-1, 1] instead of [0, 1]: those whose lengths are closer to 1 as they are."""
-
-    if vectors.min() < -0.05:
-        return True
-    given = vectors[np.any(vectors != 0, axis=-1)]
-
-    def error(values: Array) -> float:
-        return float(np.abs(np.linalg.norm(values, axis=-1) - 1).mean()) if len(values) else 0.0
-
-    return error(given) < error(given * 2 - 1)
+def _reflectance(color: Color) -> list[float]:
+    """Return a base colour as linear RGB in [0, 1]."""
+    found = rgb(color)
+    if min(found) < 0 or max(found) > 1:
+        raise invalid("base_color", f"{color!r}; expected linear RGB from 0 to 1, or text such as '#c86432'")
+    return found
 
 
 def rgb(color: Color) -> list[float]:

@@ -184,4 +184,5 @@ def _mask(mask: Any) -> Any:
     if isinstance(mask, (str, os.PathLike)):
         return path("mask", mask)
     array = np.asarray(mask)
-    return image("mask", array.astype(np.uint8) * 255 if array.dtype == bool else mask)
+    is_binary = array.dtype == bool or (array.dtype.kind in "ui" and array.max(initial=0) == 1)
+    return image("mask", array.astype(np.uint8) * 255 if is_binary else mask)

@@ -63,6 +63,10 @@ def test_heights_become_normals(tmp_path: Path, run) -> None:  # type: ignore[no
     assert normals[0, 0, 0] / normals[0, 0, 2] == pytest.approx(-slope, rel=1e-3)
     Pillow.fromarray(heights).save(tmp_path / "h.png")
     run("normals", tmp_path / "h.png", "--from", "height", "--height-scale", "8", "--bits", "8", "-o", tmp_path / "n.png")
+    for source in ("auto", "tangent"):
+        codes = tt.normals.convert(normals, source=source, bits=16).map
+        decoded = codes[..., :3] / np.float32(65535) * 2 - 1
+        assert np.abs(decoded - normals).max() < 1e-4, "vectors in [-1, 1] are taken as such"
     made = tt.normals.convert(heights, source="height", height_scale=8, bits=8)
     assert np.array_equal(made.map, np.asarray(Pillow.open(tmp_path / "n.png")))
     assert 0 < np.nanmean(made.error_deg) < 0.4

@@ -252,6 +252,9 @@ def test_textures_are_arrays_too(tmp_path: Path) -> None:
     assert np.allclose(albedo["albedo"][16, 16], 0.5)
     with pytest.raises(tt.Error, match="normal_map"):
         square(material=tt.Material(normal_map=np.full((2, 2, 3), np.nan, np.float32)))
+    for wrong in (dict(base_color_map=np.full((2, 2, 3), 188.0)), dict(base_color=(200, 100, 50))):
+        with pytest.raises(tt.InvalidValue, match="base_color.*0 to 1"):
+            square(material=tt.Material(**wrong))  # type: ignore[arg-type]
     assert repr(tt.Material(base_color_map=color, metallic=1)) == "Material(metallic=1, base_color_map=<uint8 (16, 16, 3)>)"
 
 

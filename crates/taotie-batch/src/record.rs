@@ -291,6 +291,9 @@ pub struct InputFile {
     /// The SHA-256 of its bytes, hexadecimal; empty if it has not been read yet.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub sha256: String,
+    /// `true` if there is no such file, though the scan names it, such as a texture.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub is_missing: bool,
 }
 
 impl InputFile {
@@ -303,7 +306,7 @@ impl InputFile {
         let since = about.modified().ok().and_then(|time| time.duration_since(UNIX_EPOCH).ok());
         let modified = since.map_or(0, |since| since.as_nanos() as u64);
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        Ok(Self { name, path: path.to_path_buf(), bytes: about.len(), modified, sha256: String::new() })
+        Ok(Self { name, path: path.to_path_buf(), bytes: about.len(), modified, ..Self::default() })
     }
 
     /// Reads a file to hash it; its name is relative to `folder` if it is inside it.
@@ -313,10 +316,17 @@ impl InputFile {
         Ok(Self { name, sha256: sha256(path)?, ..known })
     }
 
-    /// Returns true if the file is unchanged, judging by its size and modification time.
+    /// Describes a file that does not exist.
+    pub fn missing(path: &Path) -> Self {
+        Self { name: slashed(path), path: path.to_path_buf(), is_missing: true, ..Self::default() }
+    }
+
+    /// Returns true if the file is unchanged, judging by its size and modification time, or if it is still missing.
     pub fn is_unchanged(&self, folder: &Path) -> bool {
-        Self::stat(&folder.join(&self.path))
-            .is_ok_and(|now| (now.bytes, now.modified) == (self.bytes, self.modified))
+        match Self::stat(&folder.join(&self.path)) {
+            Ok(now) => !self.is_missing && (now.bytes, now.modified) == (self.bytes, self.modified),
+            Err(_) => self.is_missing,
+        }
     }
 }
 

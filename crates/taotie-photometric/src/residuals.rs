@@ -7,7 +7,6 @@ use crate::grid::Grid;
 use crate::program::Surface;
 use crate::robust::Fit;
 use crate::samples::Samples;
-use crate::shift::Shift;
 use crate::symmetric::Sym3;
 use taotie_engine::math::{Vec3, scalar};
 use taotie_engine::parallel;
@@ -50,6 +49,24 @@ pub struct LightResiduals {
     pub rejected: f64,
     /// How far the photograph is shifted from the others; `None` if the surface is too uniform to show it.
     pub shift: Option<Shift>,
+}
+
+/// A shift to the right and down, in pixels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shift {
+    /// Pixels to the right and down.
+    pub pixels: [f64; 2],
+    /// Its length, in blocks of pixels whose means are compared.
+    pub(crate) blocks: f64,
+}
+
+impl Shift {
+    /// Returns true if it is more than errors of the prediction explain.
+    pub fn is_moved(self) -> bool {
+        /// The largest shift in blocks of sets that did not move is 0.04.
+        const MOVED: f64 = 0.125;
+        self.blocks > MOVED
+    }
 }
 
 /// Sums for one light.

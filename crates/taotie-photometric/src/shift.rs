@@ -3,7 +3,7 @@
 //! The gradient of the predicted brightness turns a residual into a shift (Lucas and Kanade 1981), of all photographs
 //! by themselves.
 
-use crate::residuals::Residuals;
+use crate::residuals::{Residuals, Shift};
 use taotie_engine::parallel;
 
 /// Blocks of pixels along the longer side of the picture: their means have less noise than pixels, and change smoothly
@@ -21,24 +21,6 @@ const GRAZING: f64 = 0.2;
 const FEWEST: f64 = 50.0;
 /// The standard deviation of a shift, in blocks, above which the surface is too uniform to show it.
 const UNCERTAIN: f64 = 0.025;
-
-/// A shift to the right and down, in pixels.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Shift {
-    /// Pixels to the right and down.
-    pub pixels: [f64; 2],
-    /// Its length, in blocks.
-    blocks: f64,
-}
-
-impl Shift {
-    /// Returns true if it is more than errors of the prediction explain.
-    pub fn is_moved(self) -> bool {
-        /// The largest shift in blocks of sets that did not move is 0.04.
-        const MOVED: f64 = 0.125;
-        self.blocks > MOVED
-    }
-}
 
 /// The pixels of a block, and of those on its right, on its left, below and above.
 type Cross = [Vec<usize>; 5];

@@ -14,7 +14,7 @@ use taotie::comparison::diff::{DiffOptions, ImagePair, NamedBitmap};
 use taotie_engine::Error;
 use taotie_engine::image::{Bitmap, Encoding, Wrap};
 use taotie_engine::normal_map::{
-    self, ConversionOptions, MapContent, MapSource, convert_map, guessed_content, tangent_from_height,
+    self, ConversionOptions, MapContent, MapSource, convert_map, tangent_from_height, with_content,
 };
 use taotie_engine::scene::{GreenChannel, NormalSpace};
 use taotie_engine::surface::{GreenVerdict, green_direction};
@@ -82,10 +82,9 @@ pub fn convert<'py>(
     let made = work::run(py, &running, move |progress| {
         progress.begin("convert")?;
         let name = map.name("the map");
-        let bitmap = map.bitmap()?;
+        let (bitmap, content) = with_content(map.bitmap()?, request.content)?;
         let why = "looks like neither heights nor normals; specify its content";
-        let content =
-            request.content.or_else(|| guessed_content(&bitmap)).ok_or_else(|| Error::invalid(name, why))?;
+        let content = content.ok_or_else(|| Error::invalid(name, why))?;
         let green = request.green.unwrap_or_else(|| guessed_green(content, &bitmap));
         let source = MapSource { bitmap, content, green };
         convert_map(&source, &request.options, None)

@@ -80,6 +80,8 @@ impl Work<'_> {
         self.progress.begin("hash")?;
         made.input = read_input(file.files(), settings, &job.limits)?;
         let at = address_of(&job.settings.task, &made.input);
+        // They are not in the address: a missing file has no content.
+        made.input.extend(file.missing_files().iter().map(|path| InputFile::missing(path)));
         (self.host.send)(Message::Address { address: at.clone() });
         let known = self.store.object::<AssetObject>(&at).filter(|_| job.reuse);
         let reused = known.is_some();

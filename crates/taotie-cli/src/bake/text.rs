@@ -162,7 +162,7 @@ fn as_seen(figures: &Figures, level: &LevelFigures, table: &mut Table) {
         text(&worst.angle, &|mean| format!("{mean:.2}°")),
         text(&worst.color, &|mean| format!("ΔE {mean:.2}")),
         text(&worst.material, &|mean| format!("material {mean:.2}")),
-        text(&worst.detail, &|lost| format!("detail {:.0} % lost", lost * 100.0)),
+        text(&worst.detail, &|lost| format!("detail {:.0} % lost", lost.min(1.0) * 100.0)),
     ];
     let patches: Vec<String> = patches.into_iter().flatten().collect();
     if !patches.is_empty() {

@@ -19,7 +19,7 @@ use taotie_engine::compare::{Field, Summary};
 use taotie_engine::image::{Bitmap, Encoding};
 use taotie_engine::names::Named;
 use taotie_engine::normal_map::{
-    Conversion, ConversionOptions, MapContent, MapSource, convert_map, guessed_content, lay_out,
+    Conversion, ConversionOptions, MapContent, MapSource, convert_map, lay_out, with_content,
 };
 use taotie_engine::scene::{GreenChannel, NormalSpace};
 use taotie_engine::surface::{GreenVerdict, green_direction};
@@ -107,13 +107,21 @@ fn note_unread(args: &NormalsArgs, source: &MapSource, warnings: &mut Warnings) 
 
 /// Reads the map and determines its content; prints what was guessed.
 fn read_map(args: &NormalsArgs) -> Result<MapSource> {
-    let bitmap = taotie_io::read_bitmap_within(&args.input, &args.limits.limits())?;
-    let content = match args.from {
-        args::From::Height => MapContent::Heights,
-        args::From::Tangent => MapContent::Normals(NormalSpace::Tangent),
-        args::From::Object => MapContent::Normals(NormalSpace::Object),
-        args::From::Auto => guess_content(args, &bitmap)?,
+    let stored = taotie_io::read_bitmap_within(&args.input, &args.limits.limits())?;
+    let given = match args.from {
+        args::From::Height => Some(MapContent::Heights),
+        args::From::Tangent => Some(MapContent::Normals(NormalSpace::Tangent)),
+        args::From::Object => Some(MapContent::Normals(NormalSpace::Object)),
+        args::From::Auto => None,
     };
+    let (bitmap, content) = with_content(stored, given)?;
+    let Some(content) = content else {
+        let path = args.input.display();
+        bail!("{path}: it looks like neither a normal map nor heights; specify its content with --from")
+    };
+    if given.is_none() {
+        say_content(args, content);
+    }
     let green = match (content, args.green_in) {
         (MapContent::Normals(NormalSpace::Tangent), Some(green)) => green.into(),
         (MapContent::Normals(NormalSpace::Tangent), None) => guessed_green(args, &bitmap),
@@ -122,18 +130,13 @@ fn read_map(args: &NormalsArgs) -> Result<MapSource> {
     Ok(MapSource { bitmap, content, green })
 }
 
-fn guess_content(args: &NormalsArgs, bitmap: &Bitmap) -> Result<MapContent> {
-    let path = args.input.display();
-    let Some(content) = guessed_content(bitmap) else {
-        bail!("{path}: it looks like neither a normal map nor heights; specify its content with --from")
-    };
+fn say_content(args: &NormalsArgs, content: MapContent) {
     let name = match content {
         MapContent::Normals(NormalSpace::Tangent) => "a tangent-space normal map",
         MapContent::Normals(NormalSpace::Object) => "an object-space normal map",
         MapContent::Heights => "a height map",
     };
-    console::say(&format!("taotie: {path}: its pixels look like {name}"));
-    Ok(content)
+    console::say(&format!("taotie: {}: its pixels look like {name}", args.input.display()));
 }
 
 fn guessed_green(args: &NormalsArgs, bitmap: &Bitmap) -> GreenChannel {

@@ -2,7 +2,7 @@
 
 use crate::options;
 use crate::running::{MemoryArgs, RunArgs};
-use anyhow::{Result, bail};
+use anyhow::Result;
 use clap::Args;
 use std::path::PathBuf;
 use taotie_engine::length::Unit;

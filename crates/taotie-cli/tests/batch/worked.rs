@@ -235,6 +235,21 @@ fn a_scan_that_changed_is_done_anew_and_the_same_one_elsewhere_is_not() {
 }
 
 #[test]
+fn a_file_that_was_missing_is_noticed_when_it_appears() {
+    let collection = Collection::of_balls(1);
+    collection.write("scans/ball0.obj", format!("mtllib skin.mtl\nusemtl skin\n{}", ball(0.01)));
+    let attempts = || number(&collection.report("").1, "/attempts");
+    assert_eq!([attempts(), attempts()], [1.0, 0.0]);
+    let missing = collection.last()["ball0.obj"]["input"][1].clone();
+    assert_eq!((text(&missing, "/path"), &missing["is_missing"]), ("scans/skin.mtl".into(), &true.into()));
+    collection.write("scans/skin.mtl", "newmtl skin\nKd 0.8 0.1 0.1\n");
+    assert_eq!([attempts(), attempts()], [1.0, 0.0]);
+    assert_eq!(collection.report("--check").0, Some(0));
+    std::fs::remove_file(collection.path("scans/skin.mtl")).unwrap();
+    assert_eq!([attempts(), attempts()], [1.0, 0.0]);
+}
+
+#[test]
 fn what_does_not_fit_the_memory_is_refused_and_done_where_there_is_more() {
     let collection = Collection::of_balls(2);
     let (code, report) = collection.report("--memory-limit 40M");

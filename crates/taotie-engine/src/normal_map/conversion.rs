@@ -1,6 +1,6 @@
 //! Conversion of a stored map to another, and its error.
 
-use super::storage::{Storage, green_turned, requantised, store_normals};
+use super::storage::{Storage, green_turned, requantised, store_normals, unsigned};
 use super::transforms::{
     Heights, decoded_normals, object_from_tangent, tangent_from_height, tangent_from_height_on,
     tangent_from_object,
@@ -77,6 +77,21 @@ pub fn guessed_content(bitmap: &Bitmap) -> Option<MapContent> {
         NormalMapKind::Object => Some(MapContent::Normals(NormalSpace::Object)),
         NormalMapKind::No => is_grey(bitmap).then_some(MapContent::Heights),
     }
+}
+
+/// Returns a map with its content, guessed from its pixels unless it is given; normals that float files store as they are
+/// become codes, as by [`unsigned`].
+///
+/// # Errors
+/// Those of [`unsigned`].
+pub fn with_content(stored: Bitmap, given: Option<MapContent>) -> Result<(Bitmap, Option<MapContent>)> {
+    let content = given.or_else(|| guessed_content(&stored));
+    if content == Some(MapContent::Heights) {
+        return Ok((stored, content));
+    }
+    let bitmap = unsigned(stored)?;
+    let content = content.or_else(|| guessed_content(&bitmap));
+    Ok((bitmap, content))
 }
 
 fn is_grey(bitmap: &Bitmap) -> bool {

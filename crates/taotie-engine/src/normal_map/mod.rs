@@ -26,11 +26,11 @@ mod storage;
 mod transforms;
 
 pub use conversion::{
-    Conversion, ConversionOptions, MapContent, MapSource, convert_map, guessed_content, lay_out,
+    Conversion, ConversionOptions, MapContent, MapSource, convert_map, guessed_content, lay_out, with_content,
 };
 pub use storage::{
     CoveredNormals, Storage, Stored, green_turned, requantised, store_codes, store_normals, store_rgba,
-    store_unit_vectors,
+    store_unit_vectors, unsigned,
 };
 pub use transforms::{
     Heights, decoded_normals, object_from_tangent, tangent_from_height, tangent_from_height_on,

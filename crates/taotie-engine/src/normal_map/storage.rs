@@ -300,6 +300,44 @@ impl CoveredNormals<'_> {
     }
 }
 
+/// Returns a normal map of floats as codes in [0, 1], (n + 1) / 2, if it stores unit vectors as they are; others unchanged.
+///
+/// ```
+/// use taotie_engine::image::{Bitmap, Texels};
+/// use taotie_engine::normal_map::unsigned;
+///
+/// let vectors = Bitmap::new(1, 1, 3, Texels::F32(vec![[0.6, 0.0, 0.8, 1.0]]))?;
+/// let codes = unsigned(vectors)?;
+/// assert_eq!(codes.stored(0), [0.8, 0.5, 0.9, 1.0]);
+/// assert_eq!(unsigned(codes.clone())?.stored(0), codes.stored(0));
+/// # Ok::<(), taotie_engine::Error>(())
+/// ```
+///
+/// # Errors
+/// Those of [`Bitmap::new`], none of which can occur.
+pub fn unsigned(bitmap: Bitmap) -> Result<Bitmap> {
+    let Texels::F32(texels) = bitmap.texels() else { return Ok(bitmap) };
+    if bitmap.channels() < 3 || !is_signed(texels) {
+        return Ok(bitmap);
+    }
+    let code = |[x, y, z, alpha]: &[f32; 4]| [0.5 * x + 0.5, 0.5 * y + 0.5, 0.5 * z + 0.5, *alpha];
+    let codes = Texels::F32(texels.iter().map(code).collect());
+    Bitmap::new(bitmap.width(), bitmap.height(), bitmap.channels(), codes)
+}
+
+/// Returns `true` for vectors whose lengths are closer to 1 as they are than as codes. Empty texels are zero.
+fn is_signed(texels: &[[f32; 4]]) -> bool {
+    let off = |decode: fn(f32) -> f32| {
+        let is_filled = |[x, y, z, alpha]: &&[f32; 4]| [x, y, z] != [&0.0; 3] && *alpha > 0.0;
+        let off = |[x, y, z, _]: &[f32; 4]| {
+            let length = Vec3::new(decode(*x), decode(*y), decode(*z)).length();
+            if length.is_finite() { f64::from((length - 1.0).abs()) } else { 0.0 }
+        };
+        texels.iter().filter(is_filled).map(off).sum::<f64>()
+    };
+    off(|v| v) < off(|v| 2.0 * v - 1.0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -83,7 +83,7 @@ pub fn worst_patch(
 pub(super) enum Pooling {
     /// The mean of a difference.
     Mean(fn(&SurfaceSample) -> f32),
-    /// The differences relative to what varies on the scan, within this distance.
+    /// The detail of one of the two that the other one lacks within this distance.
     Lost(Detail, f32),
 }
 
@@ -112,7 +112,7 @@ impl Pooling {
                     return 0.0;
                 }
                 let apart = window.radius * (std::f32::consts::PI / all as f32).sqrt();
-                let [lost, _] = detail.lost(&side, reach.max(FEW * apart));
+                let [lost, _] = detail.unequal(&side, reach.max(FEW * apart));
                 lost
             }
         }
@@ -134,7 +134,7 @@ impl Pooling {
             Self::Lost(detail, reach) => {
                 let known = samples.iter().filter(|sample| !self.difference(sample).is_nan());
                 let known = facing(known, toward);
-                let [lost, error] = detail.lost(&known, reach);
+                let [lost, error] = detail.unequal(&known, reach);
                 Ok((known.len() >= FEWEST).then_some((lost, [lost - T * error, lost + T * error])))
             }
         }

@@ -184,6 +184,15 @@ impl Detail {
     const LEAST: [f64; 2] = [4.0, 4.0];
     /// Maximum number of samples that are compared with each other.
     const MOST: usize = 4096;
+    /// The difference of colours in proportion to which added detail counts: noise of image formats is below 3.
+    const ADDED: f64 = 12.0;
+
+    /// Returns the larger of the detail that the asset lacks and of the colours that only it has, each with its standard error.
+    pub(super) fn unequal(self, samples: &[&SurfaceSample], reach: f32) -> [f64; 2] {
+        let lost = self.lost(samples, reach);
+        let added = if self == Self::Colors { added(samples, reach) } else { [0.0; 2] };
+        if added[0] > lost[0] { added } else { lost }
+    }
 
     /// Returns the differences of samples relative to what varies on the scan around them: √(D / (V + m²)), where D is the
     /// mean square of the differences, V that of the scan's normals or colours about a linear fit over the window, and m the
@@ -191,29 +200,14 @@ impl Detail {
     /// that an edge may be slightly moved, and the largest 3 % are left out. 0 if the asset has all detail, about 1 if it has
     /// none; 0 without samples. Also returns its standard error.
     pub(super) fn lost(self, samples: &[&SurfaceSample], reach: f32) -> [f64; 2] {
-        /// Groups whose spread shows the error.
-        const GROUPS: usize = 8;
-        /// The share of the samples, those with the largest differences, that are left out: edges that are moved by more.
-        const OUTLIERS: f64 = 0.03;
-        let some: Vec<&SurfaceSample> =
-            samples.iter().step_by(samples.len().div_ceil(Self::MOST).max(1)).copied().collect();
+        let some = some_of(samples);
         let squares = parallel::collect(some.len(), |i| self.unlike(&some, i, reach));
         let least = Self::LEAST[self as usize];
-        let of_group = |first: usize, step: usize| {
-            let those = || (first..some.len()).step_by(step);
-            let points: Vec<_> = those().map(|i| self.point(some[i], some[0])).collect();
-            let mut off: Vec<f32> = those().map(|i| squares[i]).collect();
-            off.sort_unstable_by(f32::total_cmp);
-            off.truncate((points.len() as f64 * (1.0 - OUTLIERS)).ceil() as usize);
-            let square = off.iter().map(|v| f64::from(*v)).sum::<f64>() / off.len().max(1) as f64;
-            (square / (variation(&points) + least * least)).sqrt()
-        };
-        if some.is_empty() {
-            return [0.0; 2];
-        }
-        let all = of_group(0, 1);
-        let off: f64 = (0..GROUPS).map(|g| of_group(g, GROUPS) - all).map(|off| off * off).sum();
-        [all, (off / (GROUPS * (GROUPS - 1)) as f64).sqrt()]
+        with_error(some.len(), |first, step| {
+            let points: Vec<_> =
+                (first..some.len()).step_by(step).map(|i| self.point(some[i], some[0])).collect();
+            (mean_square(&squares, first, step) / (variation(&points) + least * least)).sqrt()
+        })
     }
 
     fn of(self, sample: &SurfaceSample) -> [Vec3; 2] {
@@ -244,6 +238,58 @@ impl Detail {
         let place = [right, first.toward.cross(right)].map(|axis| f64::from(off.dot(axis)));
         (place, self.of(sample)[0].to_f64())
     }
+}
+
+/// Returns at most [`Detail::MOST`] of the samples, evenly spread.
+fn some_of<'a>(samples: &[&'a SurfaceSample]) -> Vec<&'a SurfaceSample> {
+    samples.iter().step_by(samples.len().div_ceil(Detail::MOST).max(1)).copied().collect()
+}
+
+/// Returns the colours of an asset that differ from everything that the scan shows within `reach`: √(D / (D + m²)), where D is
+/// their mean square difference from the most similar colour of the scan, of which the mean difference is left out, and m is
+/// [`Detail::ADDED`]; and its standard error.
+fn added(samples: &[&SurfaceSample], reach: f32) -> [f64; 2] {
+    let some = some_of(samples);
+    let offset = some.iter().fold(Vec3::default(), |sum, sample| sum + (sample.labs[1] - sample.labs[0]));
+    let offset = offset * (1.0 / some.len().max(1) as f32);
+    let squares = parallel::collect(some.len(), |i| {
+        let (position, shown) = (some[i].position, some[i].labs[1] - offset);
+        let square = |other: &&SurfaceSample| {
+            let off = other.labs[0] - shown;
+            off.dot(off)
+        };
+        let is_near = |other: &&&SurfaceSample| {
+            let off = other.position - position;
+            off.dot(off) <= reach * reach
+        };
+        some.iter().filter(is_near).map(square).fold(square(&some[i]), f32::min)
+    });
+    with_error(some.len(), |first, step| {
+        let square = mean_square(&squares, first, step);
+        (square / (square + Detail::ADDED * Detail::ADDED)).sqrt()
+    })
+}
+
+/// Returns the mean of every `step`th square from `first` on, without the largest.
+fn mean_square(squares: &[f32], first: usize, step: usize) -> f64 {
+    /// The share of the samples, those with the largest differences, that are left out: edges that are moved by more.
+    const OUTLIERS: f64 = 0.03;
+    let mut off: Vec<f32> = squares.iter().skip(first).step_by(step).copied().collect();
+    off.sort_unstable_by(f32::total_cmp);
+    off.truncate((off.len() as f64 * (1.0 - OUTLIERS)).ceil() as usize);
+    off.iter().map(|v| f64::from(*v)).sum::<f64>() / off.len().max(1) as f64
+}
+
+/// Returns the figure of all samples, given by the first and the step between them, and its standard error; 0 without any.
+fn with_error(count: usize, figure: impl Fn(usize, usize) -> f64) -> [f64; 2] {
+    /// Groups whose spread shows the error.
+    const GROUPS: usize = 8;
+    if count == 0 {
+        return [0.0; 2];
+    }
+    let all = figure(0, 1);
+    let off: f64 = (0..GROUPS).map(|group| figure(group, GROUPS) - all).map(|off| off * off).sum();
+    [all, (off / (GROUPS * (GROUPS - 1)) as f64).sqrt()]
 }
 
 /// Returns the mean square that a linear fit over two coordinates leaves of vectors.

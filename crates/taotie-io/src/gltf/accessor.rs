@@ -163,6 +163,16 @@ impl<'a> Accessor<'a> {
         self.normalized
     }
 
+    /// Returns the largest number of its type, which restarts a primitive as an index; `None` unless it is unsigned.
+    pub fn restart(&self) -> Option<u32> {
+        match self.component {
+            ComponentType::U8 => Some(u8::MAX.into()),
+            ComponentType::U16 => Some(u16::MAX.into()),
+            ComponentType::U32 => Some(u32::MAX),
+            _ => None,
+        }
+    }
+
     /// Returns `true` if the components are unsigned integers.
     pub fn is_unsigned(&self) -> bool {
         matches!(self.component, ComponentType::U8 | ComponentType::U16 | ComponentType::U32)

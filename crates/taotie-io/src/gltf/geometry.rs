@@ -54,10 +54,15 @@ impl<'a> Vertices<'a> {
             positions: parallel::collect(used.len(), |i| vec3(&self.positions, used[i])),
             ..MeshData::default()
         };
+        let mut wrong = (String::new(), 0);
         if let Some(normals) = optional(Semantic::Normals) {
             data.normals = parallel::collect(used.len(), |i| vec3(&normals, used[i]));
             if let Some(tangents) = optional(Semantic::Tangents) {
                 data.tangents = parallel::collect(used.len(), |i| tangents.floats(used[i] as usize));
+                let is_wrong = |[.., w]: &&[f32; 4]| (w.abs() - 1.0).abs() > 0.01;
+                let what =
+                    format!("{place}: tangents whose w is neither 1 nor -1; viewers show a wrong relief");
+                wrong = (what, data.tangents.iter().filter(is_wrong).count());
             }
         }
         let sets = (0..MAX_UV_SETS).map(|set| optional(Semantic::TexCoords(set))).collect::<Vec<_>>();
@@ -72,6 +77,8 @@ impl<'a> Vertices<'a> {
         };
         let further = self.primitive.attributes.keys().filter(is_further).count();
         warnings.note("ignored uv sets beyond the first 8, and colour sets beyond the first", further);
+        let (what, count) = wrong;
+        warnings.note(what, count);
         data
     }
 

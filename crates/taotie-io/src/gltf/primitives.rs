@@ -148,7 +148,13 @@ impl<'a> Primitives<'a> {
         // Without normals, each corner becomes a vertex of its facet.
         let is_flat = attribute(primitive, Semantic::Normals).is_none();
         self.take(bytes_of(vertices, indices) + if is_flat { indices as u64 * FLAT_CORNER } else { 0 })?;
-        Ok(read_indices(accessor.as_ref(), vertices).map_err(within)?)
+        let read = read_indices(accessor.as_ref(), vertices).map_err(within)?;
+        if let Some(restart) = accessor.as_ref().and_then(Accessor::restart) {
+            let what = "indices that are the largest number of their type, which viewers take for the start of a new primitive, so \
+                        that triangles are missing: store larger indices";
+            self.warnings.note(what, read.iter().filter(|index| **index == restart).count());
+        }
+        Ok(read)
     }
 
     /// Counts bytes that are about to be allocated.

@@ -212,6 +212,26 @@ fn node_transforms_multiply_down_the_tree() {
 }
 
 #[test]
+fn restarts_and_wrong_tangents_are_noted() {
+    let mut maker = Maker::default();
+    let position = |i: u32| [f64::from(i % 16) as f32, (i / 16) as f32, 0.0];
+    maker.floats(&(0..256).map(position).collect::<Vec<_>>().concat(), "VEC3");
+    maker.floats(&[0.0, 0.0, 1.0].repeat(256), "VEC3");
+    maker.floats(&[1.0, 0.0, 0.0, 0.0].repeat(256), "VEC4");
+    maker.accessor(&[0, 1, 16, 239, 254, 255], (6, 5121, "SCALAR"), "");
+    let attributes = r#""attributes":{"POSITION":0,"NORMAL":1,"TANGENT":2}"#;
+    let nodes =
+        format!(r#""nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{{attributes},"indices":3}}]}}]"#);
+    let loaded = maker.load(&nodes);
+    let notes: Vec<(&str, usize)> = loaded.warnings.iter().collect();
+    assert!(
+        notes.iter().any(|(what, count)| what.contains("start of a new primitive") && *count == 1),
+        "{notes:?}"
+    );
+    assert!(notes.iter().any(|(what, count)| what.contains("neither 1 nor -1") && *count == 6), "{notes:?}");
+}
+
+#[test]
 fn parts_of_a_node_that_is_named_for_baking_have_its_name() {
     let nodes = r#""nodes":[{"name":"wheel_low","children":[1,2]},{"name":"rim","mesh":0,"children":[3]},
                  {"name":"tyre_low","mesh":0},{"mesh":0},{"name":"axle","mesh":0}],

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use taotie_engine::error::{Error, Result};
 use taotie_engine::image::{Bitmap, Encoding, Sampler, Texture};
 use taotie_engine::math::Vec3;
+use taotie_engine::normal_map::unsigned;
 use taotie_engine::scene::{
     GreenChannel, HeightMap, Light, Material, NormalMap, NormalSpace, Scene, TextureRef, UvTransform,
 };
@@ -183,14 +184,16 @@ impl MapOptions {
     pub(super) fn load(&self, scene: &mut Scene, read: &mut ReadMap<'_>) -> Result<Change> {
         let size = scene.bounds().map_or(1.0, |bounds| bounds.diagonal());
         let mut load = |path: &Option<PathBuf>, encoding| {
-            let bitmap = path.as_ref().map(|path| read(path)).transpose()?;
-            Ok::<_, Error>(bitmap.map(|bitmap| whole(scene, Texture::new(bitmap, encoding))))
+            let Some(path) = path else { return Ok::<_, Error>(None) };
+            let bitmap = if encoding == Encoding::Normal { unsigned(read(path)?)? } else { read(path)? };
+            Ok(Some(whole(scene, Texture::new(bitmap, encoding))))
         };
+        let normal = load(&self.normal, Encoding::Normal)?;
         Ok(Change {
             reflectance: None,
             base_color: load(&self.base_color, Encoding::Srgb)?,
             metallic_roughness: load(&self.metallic_roughness, Encoding::Linear)?,
-            normal: load(&self.normal, Encoding::Normal)?.map(|texture| NormalMap {
+            normal: normal.map(|texture| NormalMap {
                 texture,
                 scale: self.normal_scale,
                 space: self.normal_space,

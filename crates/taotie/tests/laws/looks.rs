@@ -325,6 +325,9 @@ fn inscriptions_that_are_gone() {
         &text,
         (&["patch-detail"], "of the relief or of the colours is lost"),
     );
+    // Nor may there be text that the scan does not have.
+    let unmarked = scan(&painted([0.6, 0.55, 0.5, 1.0]));
+    is_bad(&painted([0.1, 0.05, 0.02, 1.0]), &unmarked, (&["patch-detail"], "is lost or added"));
 }
 
 /// A card of which a texture shows only the left half.

@@ -183,7 +183,8 @@ pub struct WorstPatches {
     /// compared.
     #[serde(default)]
     pub material: Option<Patch>,
-    /// The window in which most of the scan's relief or colours is lost, relative to their variation there.
+    /// The window in which most of the scan's relief or colours is lost, relative to their variation there, or most of the
+    /// asset's colours is not the scan's.
     #[serde(default)]
     pub detail: Option<Patch>,
 }

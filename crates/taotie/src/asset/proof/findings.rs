@@ -331,9 +331,9 @@ impl Fault {
                 let off = percent(mean?);
                 Some(format!("metallic, roughness or occlusion is off by {off} on average"))
             }
-            Self::Detail => {
-                mean.map(|lost| format!("{} of the relief or of the colours is lost", percent(lost)))
-            }
+            Self::Detail => mean.map(|lost| {
+                format!("{} of the relief or of the colours is lost or added", percent(lost.min(1.0)))
+            }),
             Self::Apart => level.hausdorff.at.map(|_| "the surfaces are farthest apart".into()),
         }
     }

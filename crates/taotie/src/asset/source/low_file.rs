@@ -6,7 +6,7 @@
 
 use super::corrections::{from_metres, is_in_unit, root_scale};
 use super::low_material::shown_materials;
-use super::scan::Scan;
+use super::scan::{Scan, ScanFile};
 use super::size::{all_files, check_extent, is_gltf, stated_unit};
 use crate::asset::ask::{BakeOptions, MeshSource};
 use std::collections::{BTreeMap, BTreeSet};
@@ -21,6 +21,13 @@ use taotie_engine::scene::{Material, NormalSpace, Scene};
 use taotie_engine::surface::with_normals;
 use taotie_io::{GltfFormat, GltfGraft, GltfSource, HIGH_MARK, LOW_MARK, Limits, Objects};
 use taotie_io::{listed, name_before, quote};
+
+impl ScanFile {
+    /// Returns the places of files that the scan names and that could not be found, such as textures.
+    pub fn missing_files(&self) -> &[PathBuf] {
+        &self.about.missing
+    }
+}
 
 /// The contents of a mesh file.
 pub(super) struct Read {

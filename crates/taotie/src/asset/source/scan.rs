@@ -9,7 +9,7 @@ use super::corrections::{
 use super::material::{Carried, has_finish, is_plain};
 use super::size::{
     ModelFile, ScanSize, all_files, check_distinct, check_extent, first_of, is_gltf, left_of_scan_file,
-    named_by_file, sizes, stated_unit,
+    missing_files, named_by_file, rights, sizes, stated_unit,
 };
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
@@ -20,7 +20,7 @@ use taotie_engine::mesh::Mesh;
 use taotie_engine::progress::Progress;
 use taotie_engine::scene::{Material, Scene, SceneData};
 use taotie_engine::surface::{Denoised, Noise, NoiseHandling};
-use taotie_io::{Bytes, Limits, Objects, Used, xmp_rights};
+use taotie_io::{Bytes, Limits, Objects, Used};
 
 /// The properties of a scan besides its triangles.
 #[derive(Debug)]
@@ -29,6 +29,8 @@ pub(in crate::asset) struct About {
     pub models: Vec<ModelFile>,
     /// All files that it was read from, the model files first; empty in memory.
     pub files: Vec<PathBuf>,
+    /// Files that they name and that could not be found.
+    pub missing: Vec<PathBuf>,
     /// Bytes of all its files; 0 in memory.
     pub bytes: u64,
     pub copyright: Option<String>,
@@ -62,6 +64,7 @@ impl About {
         Self {
             models: Vec::new(),
             files: Vec::new(),
+            missing: Vec::new(),
             bytes: 0,
             copyright: None,
             xmp: None,
@@ -113,7 +116,7 @@ pub(in crate::asset) struct ScanNoise {
 #[derive(Debug)]
 pub struct ScanFile {
     scene: Scene,
-    about: About,
+    pub(super) about: About,
     limits: Limits,
 }
 
@@ -246,6 +249,7 @@ impl ScanFile {
         let about = About {
             is_rigged: loaded.rig.is_some() || !loaded.variants.names().is_empty(),
             is_edited: loaded.is_edited,
+            missing: missing_files(&model.path, &loaded.missing_files),
             states_material: loaded.is_edited || is_gltf(loaded.format) || has_finish(&loaded.scene),
             one_level: loaded.moving.or((loaded.levels > 1).then_some("its own levels")),
             models: vec![model],
@@ -555,17 +559,19 @@ fn join(mut files: Vec<ScanFile>, options: ScanOptions) -> Result<ScanFile> {
         named_by_file(about.objects.clone(), &stem, scene.instances().len())
     });
     let objects = Objects::of_all(objects);
-    let copyright = rights(&files);
+    let copyright = rights(files.iter().map(|file| (&file.about.copyright, &file.about.xmp)));
     let states_material = files.iter().any(|file| file.about.states_material);
     let is_in_memory = files.iter().any(|file| file.about.models.is_empty());
     let (mut parts, mut warnings) = (SceneData::default(), Warnings::default());
-    let (mut models, mut others, mut packets) = (Vec::new(), Vec::new(), Vec::new());
+    let [mut others, mut missing] = [Vec::new(), Vec::new()];
+    let (mut models, mut packets) = (Vec::new(), Vec::new());
     for ScanFile { scene, about, .. } in files {
         parts.append(scene.into_data());
         let label = about.models.first().map_or_else(String::new, |model| format!("{}: ", model.name()));
         about.warnings.iter().for_each(|(what, count)| warnings.note(format!("{label}{what}"), count));
         models.extend(about.models);
         others.extend(about.files);
+        missing.extend(about.missing);
         packets.extend(about.xmp);
     }
     let what = "XMP metadata of further files of the scan, left out except for rights";
@@ -578,6 +584,7 @@ fn join(mut files: Vec<ScanFile>, options: ScanOptions) -> Result<ScanFile> {
         bytes: sizes(&files)?,
         models,
         files,
+        missing,
         copyright,
         xmp: packets.into_iter().next(),
         warnings,
@@ -587,14 +594,4 @@ fn join(mut files: Vec<ScanFile>, options: ScanOptions) -> Result<ScanFile> {
         ..About::of(&scene)
     };
     Ok(ScanFile { scene, about, limits })
-}
-
-/// Returns the distinct rights notices of files.
-fn rights(files: &[ScanFile]) -> Option<String> {
-    let mut known: Vec<String> = Vec::new();
-    for About { copyright, xmp, .. } in files.iter().map(|file| &file.about) {
-        let own = copyright.clone().or_else(|| xmp.as_ref().and_then(xmp_rights));
-        known.extend(own.filter(|own| !known.contains(own)));
-    }
-    (!known.is_empty()).then(|| known.join("; "))
 }

@@ -12,7 +12,7 @@ use taotie_engine::mesh::Mesh;
 use taotie_engine::proof::{Footprint, edges};
 use taotie_engine::scene::{Instance, Scene};
 use taotie_engine::surface::tangent_bytes;
-use taotie_io::{FileHash, HIGH_MARK, Loaded, Objects, name_before};
+use taotie_io::{FileHash, HIGH_MARK, Json, Loaded, Objects, name_before, xmp_rights};
 
 /// A model file of a scan.
 #[derive(Debug)]
@@ -272,6 +272,29 @@ pub(super) fn first_of(first: Vec<PathBuf>, mut others: Vec<PathBuf>) -> Vec<Pat
     others.dedup();
     others.retain(|other| !first.contains(other));
     [first, others].concat()
+}
+
+/// Returns where files would be that a model names and that could not be found: relative to its folder, or in it.
+pub(super) fn missing_files(model: &Path, names: &[String]) -> Vec<PathBuf> {
+    let folder = model.parent().unwrap_or(Path::new(""));
+    let places = |name: &String| {
+        let name = name.replace('\\', "/");
+        let last = name.rsplit('/').next().unwrap_or_default().to_owned();
+        [folder.join(name), folder.join(last)]
+    };
+    first_of(Vec::new(), names.iter().flat_map(places).filter(|path| path != folder).collect())
+}
+
+/// Returns the distinct rights notices of models, as stated in their files or their metadata.
+pub(super) fn rights<'a>(
+    all: impl Iterator<Item = (&'a Option<String>, &'a Option<Json>)>,
+) -> Option<String> {
+    let mut known: Vec<String> = Vec::new();
+    for (copyright, xmp) in all {
+        let own = copyright.clone().or_else(|| xmp.as_ref().and_then(xmp_rights));
+        known.extend(own.filter(|own| !known.contains(own)));
+    }
+    (!known.is_empty()).then(|| known.join("; "))
 }
 
 /// Returns the total size of files.
