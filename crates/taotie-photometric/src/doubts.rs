@@ -8,7 +8,7 @@ use crate::samples::Samples;
 use crate::symmetric::Sym3;
 use taotie_engine::math::Vec3;
 use taotie_engine::names::Named;
-use taotie_engine::{Warnings, parallel};
+use taotie_engine::{Progress, Result, Warnings, parallel};
 use taotie_io::listed;
 
 /// How far the exponent between light and brightness may be from 1: highlights reach half of it.
@@ -20,6 +20,19 @@ const ENCODINGS: [f64; 2] = [0.3, 3.0];
 const UNEXPLAINED: f64 = 0.12;
 
 impl Estimate {
+    /// Estimates the normals, and notes samples that are left out, pixels without a normal, and likely mistakes.
+    ///
+    /// # Errors
+    /// As [`Estimate::of`].
+    pub fn noted(samples: &Samples, warnings: &mut Warnings, progress: Progress<'_>) -> Result<Self> {
+        samples.note(warnings);
+        let estimate = Self::of(samples, progress)?;
+        let without = estimate.best.iter().filter(|best| best.is_none()).count();
+        warnings.note("a pixel has no normal: too little light, or too few samples that agree", without);
+        estimate.note_doubts(samples, warnings);
+        Ok(estimate)
+    }
+
     /// Notes what is likely wrong with photographs or lights.
     pub fn note_doubts(&self, samples: &Samples, warnings: &mut Warnings) {
         // Polynomials bend the curve of brightness and smooth highlights.

@@ -104,11 +104,7 @@ fn estimated(source: Source, mut options: PhotometricOptions, progress: Progress
             Samples::of(images, &lights, mask.as_ref(), options.encoding)?
         }
     };
-    samples.note(&mut warnings);
-    let estimate = Estimate::of(&samples, progress)?;
-    let without = estimate.best.iter().filter(|best| best.is_none()).count();
-    warnings.note("a pixel has no normal: too little light, or too few samples that agree", without);
-    estimate.note_doubts(&samples, &mut warnings);
+    let estimate = Estimate::noted(&samples, &mut warnings, progress)?;
     let relief = estimate.relief(progress.begin("depth")?)?;
     Ok(Normals { estimate, relief, options, inputs, warnings })
 }

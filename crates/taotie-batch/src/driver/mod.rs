@@ -78,6 +78,7 @@ pub fn drive(
     summary.warnings.absorb(collection.unused_options(&found.scans));
     let ids = plan.ids.clone();
     let mut driver = Driver::new(collection, options, worker, books);
+    driver.books.relink(&ids);
     driver.all = plan.todo.iter().map(Todo::cost).sum();
     hear(Event::Planned { todo: plan.todo.len() + plan.settled.len(), known: plan.known });
     for record in &plan.kept {

@@ -365,6 +365,14 @@ impl Books {
         Ok(())
     }
 
+    /// Links the files of these assets, as far as they were made, where links were deleted.
+    pub fn relink(&mut self, ids: &[String]) {
+        let made = ids.iter().filter_map(|id| self.history.last.get(id)).filter(|last| last.state.is_made());
+        for error in made.filter_map(|last| self.store.link(&last.id, &last.parts).err()) {
+            self.warnings.note(format!("could not update the links: {error}"), 1);
+        }
+    }
+
     /// Counts the latest states of these assets.
     pub fn states(&self, ids: &[String]) -> BTreeMap<State, usize> {
         let mut states = BTreeMap::new();

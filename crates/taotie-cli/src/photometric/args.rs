@@ -2,7 +2,7 @@
 
 use crate::options;
 use crate::running::{MemoryArgs, RunArgs};
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
 use taotie_engine::length::Unit;
@@ -148,7 +148,9 @@ impl PhotometricArgs {
         let flat: Vec<PathBuf> =
             self.flat.iter().flat_map(|folder| photographs.clone().map(|name| folder.join(name))).collect();
         files.protect(&flat)?;
-        check_output(&set.inputs(), &self.output)?;
+        if let Err(error) = check_output(&set.inputs(), &self.output) {
+            bail!("-o {error}");
+        }
         files.claim_folder(&self.output)?;
         let anchored = self.scan.as_ref().map(|_| ANCHORED);
         OUTPUTS.into_iter().chain(anchored).try_for_each(|name| files.claim(&self.path(name)))?;

@@ -129,13 +129,9 @@ fn make(order: &Order<'_>, warnings: &mut Warnings) -> Result<Report> {
     let Order { set, options, files, progress, .. } = *order;
     let reading = options.reading(order.limits);
     let samples = Samples::read(set, &reading, progress.begin("read")?)?;
-    samples.note(warnings);
     let size = [samples.width, samples.height];
     let truth = order.truth.as_ref().map(|truth| averaged(truth, size)).transpose()?;
-    let estimate = Estimate::of(&samples, progress)?;
-    let without = estimate.best.iter().filter(|best| best.is_none()).count();
-    warnings.note("a pixel has no normal: too little light, or too few samples that agree", without);
-    estimate.note_doubts(&samples, warnings);
+    let estimate = Estimate::noted(&samples, warnings, progress)?;
     let mut relief = estimate.relief(progress.begin("depth")?)?;
     let anchor = |scan: &Scan| scan.anchor(&mut relief, (&order.path(ANCHORED), files), warnings);
     let anchoring = order.scan.as_ref().map(anchor).transpose()?;

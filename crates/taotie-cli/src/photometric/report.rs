@@ -201,12 +201,13 @@ impl Report {
             let _ = writeln!(text, "mask       {mask}");
         }
         for [x, y, radius, residual] in &self.balls {
-            let _ = writeln!(
-                text,
-                "ball       at {x:.1}, {y:.1}, radius {radius:.1}: edge to {residual:.2} pixels, lights to {:.2}°",
-                // The mirrored direction turns twice as fast as the normal.
-                (2.0 * residual / radius).to_degrees()
-            );
+            // The mirrored direction turns twice as fast as the normal.
+            let angle = (2.0 * residual / radius).to_degrees();
+            let fit = match *residual {
+                0.0 => ", as given".to_owned(),
+                residual => format!(": edge to {residual:.2} pixels, lights to {angle:.2}°"),
+            };
+            let _ = writeln!(text, "ball       at {x:.1}, {y:.1}, radius {radius:.1}{fit}");
         }
         if let Some(residual) = self.ball_residual {
             let near = self.photographs.iter().filter(|photograph| photograph.position.is_some()).count();

@@ -129,6 +129,10 @@ fn links_of_an_earlier_bake_are_removed_and_other_files_stay() {
     collection.configure(&format!("report = false\n{QUICK}"));
     assert_eq!(collection.report("").0, Some(0));
     assert_eq!(names(), ["ball0.glb", "ball0.webp", "notes.txt", "scan.obj"]);
+    // Deleted links are made again, and nothing else.
+    std::fs::remove_file(folder.join("ball0.glb")).unwrap();
+    assert_eq!(number(&collection.report("").1, "/attempts"), 0.0);
+    assert_eq!(names(), ["ball0.glb", "ball0.webp", "notes.txt", "scan.obj"]);
 }
 
 #[test]

@@ -24,7 +24,8 @@ pub(crate) fn neutral(name: &str) -> Material {
 ///
 /// Kd is the base colour, taken as linear. Roughness is Pr, or follows from Ns by α² = 2/(Ns + 2); a map of roughness
 /// or metalness replaces its number, as in Blender. Opacity is d, or 1 − Tr. Ka, Kd, Ks and Ns are kept for the
-/// classic models. A zero colour with a texture is read as one: exporters write it to mean "see texture".
+/// classic models. A zero colour with a texture is read as one: exporters write it to mean "see texture". So is any Kd of
+/// Blender, which writes the value that its texture replaces; its roughness follows from Ns as on its import.
 pub(crate) fn material(mtl: &Mtl, textures: &mut Textures, warnings: &mut Warnings) -> Material {
     let mut m = Material {
         metallic: mtl.metallic.unwrap_or(0.0).clamp(0.0, 1.0),
@@ -39,7 +40,10 @@ pub(crate) fn material(mtl: &Mtl, textures: &mut Textures, warnings: &mut Warnin
     };
     m.roughness = match (mtl.roughness, mtl.shininess) {
         (Some(roughness), _) => roughness.clamp(0.0, 1.0),
-        (None, Some(shininess)) => roughness_from_shininess(shininess),
+        (None, Some(shininess)) => match mtl.blender_shininess {
+            Some(most) => 1.0 - (shininess / most).clamp(0.0, 1.0).sqrt(),
+            None => roughness_from_shininess(shininess),
+        },
         (None, None) => m.roughness,
     };
     set_base_color(&mut m, mtl, textures, warnings);
@@ -88,7 +92,16 @@ fn factor(color: Option<[f32; 3]>, keyword: &str, warnings: &mut Warnings) -> [f
 }
 
 fn set_base_color(m: &mut Material, mtl: &Mtl, textures: &mut Textures, warnings: &mut Warnings) {
-    let opacity = mtl.dissolve.unwrap_or(1.0 - mtl.transparency.unwrap_or(0.0)).clamp(0.0, 1.0);
+    let opacity = match (mtl.dissolve, mtl.transparency) {
+        (None, Some(1.0)) => {
+            warnings.note(
+                "Tr 1 without d, which would be invisible, is read as opaque: some programs write it so",
+                1,
+            );
+            1.0
+        }
+        (dissolve, transparency) => dissolve.unwrap_or(1.0 - transparency.unwrap_or(0.0)).clamp(0.0, 1.0),
+    };
     warnings.note("materials with opacity 0 are invisible", usize::from(opacity == 0.0));
     if opacity < 1.0 {
         m.alpha = AlphaMode::Blend;
@@ -98,7 +111,7 @@ fn set_base_color(m: &mut Material, mtl: &Mtl, textures: &mut Textures, warnings
         && let Some(texture) = textures.plain(map, &mtl.folder, color_encoding(map), warnings)
     {
         m.base_color_texture = Some(texture_ref(texture, map));
-        color = factor(mtl.diffuse, "Kd", warnings);
+        color = if mtl.blender_shininess.is_some() { [1.0; 3] } else { factor(mtl.diffuse, "Kd", warnings) };
         m.classic.diffuse = mtl.diffuse.map(|_| color);
     }
     let [r, g, b] = color;

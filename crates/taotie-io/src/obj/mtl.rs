@@ -44,6 +44,8 @@ pub(crate) struct Mtl {
     pub roughness_map: Option<Map>,
     /// The metalness texture, map_Pm.
     pub metallic_map: Option<Map>,
+    /// In files by Blender, the shininess of roughness 0: that of roughness r is (1 − r)² of it.
+    pub blender_shininess: Option<f32>,
 }
 
 /// A texture statement.
@@ -80,11 +82,13 @@ pub(crate) enum Channel {
 pub(super) fn parse(path: &Path, text: &str, warnings: &mut Warnings) -> Vec<Mtl> {
     let mut materials: Vec<Mtl> = Vec::new();
     let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
+    let blender_shininess = blender_shininess(text);
     for (_, statement) in lines(text) {
         let (keyword, rest) = statement.split_once(char::is_whitespace).unwrap_or((&statement, ""));
         let rest = rest.trim();
         if keyword == "newmtl" {
-            materials.push(Mtl { name: rest.to_owned(), folder: folder.clone(), ..Mtl::default() });
+            let (name, folder) = (rest.to_owned(), folder.clone());
+            materials.push(Mtl { name, folder, blender_shininess, ..Mtl::default() });
         } else if let Some(material) = materials.last_mut() {
             let keyword = keyword.to_ascii_lowercase();
             if material.statement(&keyword, rest, warnings).is_none() {
@@ -93,6 +97,12 @@ pub(super) fn parse(path: &Path, text: &str, warnings: &mut Warnings) -> Vec<Mtl
         }
     }
     materials
+}
+
+/// Returns the shininess of roughness 0 in a file that starts as Blender's do; up to 2.9, they state no version.
+fn blender_shininess(text: &str) -> Option<f32> {
+    let rest = text.trim_start().strip_prefix("# Blender ")?;
+    Some(if rest.starts_with("MTL") { 900.0 } else { 1000.0 })
 }
 
 impl Mtl {

@@ -30,7 +30,8 @@ fn error(name: &str, bytes: &[u8]) -> String {
 fn material(mtl: &str, pictures: &[(&str, Vec<u8>)]) -> (Material, Loaded) {
     let square = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
                   usemtl m\nf 1/1 2/2 3/3 4/4\n";
-    let mtl = format!("newmtl m\n{mtl}");
+    let comment = mtl.split_inclusive('\n').next().filter(|line| line.starts_with('#')).unwrap_or_default();
+    let mtl = format!("{comment}newmtl m\n{}", &mtl[comment.len()..]);
     let mut files = vec![("a.obj", square.as_bytes()), ("a.mtl", mtl.as_bytes())];
     files.extend(pictures.iter().map(|(name, bytes)| (*name, bytes.as_slice())));
     let loaded = load(&files).expect("a valid file");
@@ -239,6 +240,22 @@ fn mtl_numbers_reach_the_material() {
     assert!(loaded.warnings.is_empty());
     let (m, _) = material("Ns 30\nPr .2\nPm .9\nd .5\nTr .9", &[]);
     assert_eq!((m.roughness, m.metallic, m.base_color[3]), (0.2, 0.9, 0.5));
+}
+
+#[test]
+fn mtl_by_blender_is_read_as_blender_does() {
+    let grey = [("a.png", png(|_, _| [0.5; 3]))];
+    let read = |header: &str, shininess: &str| {
+        material(&format!("{header}Ns {shininess}\nKd 0.8 0.8 0.8\nmap_Kd a.png\n"), &grey).0
+    };
+    let new = read("# Blender 4.2.3 LTS MTL File: 'None'\n", "250");
+    assert!((new.roughness - 0.5).abs() < 1e-6, "{}", new.roughness);
+    assert_eq!(new.base_color, [1.0; 4], "the texture replaces the colour");
+    let old = read("# Blender MTL File: 'vase.blend'\n", "323.999994");
+    assert!((old.roughness - 0.4).abs() < 1e-4, "{}", old.roughness);
+    let other = read("# by hand\n", "250");
+    assert_eq!(other.base_color, [0.8, 0.8, 0.8, 1.0], "they are multiplied");
+    assert!((other.roughness - 0.2985).abs() < 1e-3, "{}", other.roughness);
 }
 
 #[test]

@@ -231,15 +231,6 @@ fn restarts_and_wrong_tangents_are_noted() {
     assert!(notes.iter().any(|(what, count)| what.contains("neither 1 nor -1") && *count == 6), "{notes:?}");
 }
 
-#[test]
-fn parts_of_a_node_that_is_named_for_baking_have_its_name() {
-    let nodes = r#""nodes":[{"name":"wheel_low","children":[1,2]},{"name":"rim","mesh":0,"children":[3]},
-                 {"name":"tyre_low","mesh":0},{"mesh":0},{"name":"axle","mesh":0}],
-        "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}]"#;
-    let names = triangle().load(nodes).objects.names;
-    assert_eq!(names, ["wheel_low", "wheel_low", "tyre_low", "axle"]);
-}
-
 /// A file of a triangle whose node, moved by 10 along x, has instances with these attributes; accessor 1 moves three
 /// instances along y, 2 turns them by normalised 16-bit numbers, 3 scales them.
 pub fn instanced(attributes: &str, rest: &str) -> (Maker, String) {

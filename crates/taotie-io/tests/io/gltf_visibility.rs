@@ -1,4 +1,4 @@
-//! Nodes that KHR_node_visibility hides, with all below them.
+//! Nodes that KHR_node_visibility hides, with all below them, and names that nodes have from those above them.
 
 use crate::gltf::{Maker, triangle, warned};
 
@@ -38,4 +38,13 @@ fn a_file_whose_meshes_are_all_hidden_is_refused() {
     let error = maker.try_load(&rest).unwrap_err();
     let why = "all that have a mesh are hidden (KHR_node_visibility); make them visible, and export again";
     assert!(error.contains(why), "{error}");
+}
+
+#[test]
+fn parts_of_a_node_that_is_named_for_baking_have_its_name() {
+    let nodes = r#""nodes":[{"name":"wheel_low","children":[1,2]},{"name":"rim","mesh":0,"children":[3]},
+                 {"name":"tyre_low","mesh":0},{"mesh":0},{"name":"axle","mesh":0}],
+        "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}]"#;
+    let names = triangle().load(nodes).objects.names;
+    assert_eq!(names, ["wheel_low", "wheel_low", "tyre_low", "axle"]);
 }

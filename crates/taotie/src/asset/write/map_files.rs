@@ -486,18 +486,13 @@ impl StoredValues {
 /// # Errors
 /// [`Error::Unsupported`] for OpenEXR without the feature `exr`.
 pub(super) fn encode_numbers(bitmap: &Bitmap, meaning: Meaning, format: MapFormat) -> Result<Vec<u8>> {
-    // Programs expect colours in OpenEXR.
-    let channels = match (bitmap.channels(), format) {
-        (1, MapFormat::Tiff) => 1,
-        (2 | 4, _) => 4,
-        _ => 3,
-    };
+    // Programs expect colours in OpenEXR, and few, not even our own reader, take TIFFs of a single float.
+    let channels = if matches!(bitmap.channels(), 2 | 4) { 4 } else { 3 };
     let texels = (bitmap.width() * bitmap.height()) as usize;
     let mut samples = Vec::with_capacity(texels * channels);
     for texel in (0..texels).map(|i| bitmap.stored(i)) {
-        let numbers = channels.min(3);
-        samples.extend(texel[..numbers].iter().map(|code| meaning.number(*code)));
-        samples.extend(&texel[numbers..channels]);
+        samples.extend(texel[..3].iter().map(|code| meaning.number(*code)));
+        samples.extend(&texel[3..channels]);
     }
     let size = [bitmap.width(), bitmap.height()];
     match format {
