@@ -142,7 +142,7 @@ impl PhotometricArgs {
 
     /// Rejects outputs that cannot be written or that are inputs.
     pub fn claim(&self, files: &FileSet, set: &PhotographSet) -> Result<()> {
-        files.protect(&set.inputs())?;
+        files.protect(set.inputs())?;
         files.protect(self.mask.iter().chain(&self.truth).chain(&self.scan).chain(&self.pose))?;
         let photographs = set.photographs.iter().filter_map(|photograph| photograph.path.file_name());
         let flat: Vec<PathBuf> =

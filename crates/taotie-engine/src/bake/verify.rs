@@ -257,6 +257,9 @@ pub struct ErrorMaps {
     pub coarser: Option<Field>,
 }
 
+/// Returns the factor by which a texel of this width is coarser than the detail at a point of the scan.
+type Coarser<'a> = dyn Fn(Point, f32) -> f32 + Sync + 'a;
+
 /// Quantities compared at each texel in addition to normals.
 #[derive(Clone, Copy, Default)]
 pub struct TexelChecks<'a> {
@@ -264,7 +267,7 @@ pub struct TexelChecks<'a> {
     pub colors: Option<&'a TexturedMesh>,
     /// The material whose texels are compared with the scan's detail, and a function that returns the factor by which they
     /// are coarser, given a point of the scan and the width of a texel, in model units.
-    pub coarser: Option<(&'a TexturedMesh, &'a (dyn Fn(Point, f32) -> f32 + Sync))>,
+    pub coarser: Option<(&'a TexturedMesh, &'a Coarser<'a>)>,
 }
 
 impl Verifier<'_> {
