@@ -530,7 +530,7 @@ def _source(mesh: Any) -> tuple[Any, Any]:
     if file is not None:
         return {"file": file}, None
     if model.path is not None:
-        warn([(f"{model.path} has changed since it was loaded: the mesh in memory is used, without its materials", 1)])
+        warn([(f"{model.path} has changed or is gone since it was loaded: its mesh in memory is used, without materials", 1)])
     return None, model._native
 
 

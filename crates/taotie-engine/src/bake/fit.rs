@@ -9,6 +9,7 @@ use crate::mesh::{Mesh, Point, Triangles, sample_area, sample_triangles};
 use crate::parallel;
 use crate::surface::facet_normal;
 use crate::trace::Bvh;
+use std::sync::LazyLock;
 
 /// The fraction of the diagonal beyond which a scan does not match the surface of a low-poly mesh.
 const AWAY: f64 = 0.02;
@@ -33,14 +34,15 @@ impl Verifier<'_> {
         /// Distances that differ by less than this factor count as equal.
         const EQUAL: f32 = 1.01;
         let point = sample_area(self.mesh, count).ok()?;
-        let rounding = self.scan.mesh().rounding();
+        // Most meshes have no point to look at twice.
+        let rounding = LazyLock::new(|| self.scan.mesh().rounding());
         let look = |i: usize| {
             let point = point(i);
             let facing = facet_normal(self.mesh.corners(point.triangle as usize)).unwrap_or_default();
             let position = point.position(self.mesh);
             let closest = self.scan.bvh().closest(position, f32::INFINITY)?;
             let is_turned = closest.point().normal(self.scan.mesh()).dot(facing) < 0.0
-                && !self.scan_faces(facing, position, closest.distance * EQUAL + rounding);
+                && !self.scan_faces(facing, position, closest.distance * EQUAL + *rounding);
             Some((f64::from(closest.distance) / diagonal, is_turned))
         };
         let found: Vec<(f64, bool)> = parallel::collect(count, look).into_iter().flatten().collect();

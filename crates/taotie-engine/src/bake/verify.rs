@@ -257,7 +257,7 @@ pub struct ErrorMaps {
     pub coarser: Option<Field>,
 }
 
-/// Returns the factor by which a texel of this width is coarser than the detail at a point of the scan.
+/// The factor by which a texel of a width is coarser than the detail at a point of the scan.
 type Coarser<'a> = dyn Fn(Point, f32) -> f32 + Sync + 'a;
 
 /// Quantities compared at each texel in addition to normals.

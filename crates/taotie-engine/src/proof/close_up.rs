@@ -77,7 +77,8 @@ pub(super) struct Viewer<'a> {
 impl<'a> Viewer<'a> {
     /// Views points of the scan, and the asset in their place.
     pub fn of_scan(pair: &'a Pair<'a>) -> Self {
-        let coarseness = Coarseness::between(pair.scan.surface, pair.asset.surface);
+        let half_edge = pair.asset.footprint.half_edge;
+        let coarseness = Coarseness { footprint: pair.scan.footprint, half_edge };
         Self { pair, own: pair.scan, other: pair.asset, coarseness, is_of_scan: true }
     }
 

@@ -40,6 +40,8 @@ pub struct Side<'a> {
     pub surface: &'a Scan,
     /// Determines which of its points can be seen.
     pub visibility: Visibility<'a>,
+    /// How fine its detail is.
+    footprint: Footprint,
 }
 
 /// A scan and an asset in the same space.
@@ -136,7 +138,7 @@ struct Sample {
 impl<'a> Side<'a> {
     /// Determines the visibility of a surface.
     pub fn of(surface: &'a Scan) -> Self {
-        Self { surface, visibility: Visibility::of(surface) }
+        Self { surface, visibility: Visibility::of(surface), footprint: Footprint::of(surface) }
     }
 
     /// Returns `true` if the surface is within the distance `reach` of a point, not turned away from a viewer in the

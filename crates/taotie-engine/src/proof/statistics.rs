@@ -201,7 +201,7 @@ impl Detail {
     /// none; 0 without samples. Also returns its standard error.
     pub(super) fn lost(self, samples: &[&SurfaceSample], reach: f32) -> [f64; 2] {
         let some = some_of(samples);
-        let squares = parallel::collect(some.len(), |i| self.unlike(&some, i, reach));
+        let squares = unlike(&some, reach, (|seen| self.of(seen)[0], |shown| self.of(shown)[1]));
         let least = Self::LEAST[self as usize];
         with_error(some.len(), |first, step| {
             let points: Vec<_> =
@@ -215,20 +215,6 @@ impl Detail {
             Self::Relief => sample.normals.map(|normal| normal * 1.0f32.to_degrees()),
             Self::Colors => sample.labs,
         }
-    }
-
-    /// Returns the squared difference between the scan at a sample and the most similar look of the asset around it.
-    fn unlike(self, samples: &[&SurfaceSample], i: usize, reach: f32) -> f32 {
-        let (own, [seen, _]) = (samples[i].position, self.of(samples[i]));
-        let is_near = |other: &&&SurfaceSample| {
-            let off = other.position - own;
-            off.dot(off) <= reach * reach
-        };
-        let square = |other: &&SurfaceSample| {
-            let off = self.of(other)[1] - seen;
-            off.dot(off)
-        };
-        samples.iter().filter(is_near).map(square).fold(square(&samples[i]), f32::min)
     }
 
     /// Returns the place of a sample on the plane of the first, and what the scan shows there.
@@ -245,6 +231,26 @@ fn some_of<'a>(samples: &[&'a SurfaceSample]) -> Vec<&'a SurfaceSample> {
     samples.iter().step_by(samples.len().div_ceil(Detail::MOST).max(1)).copied().collect()
 }
 
+/// Returns for each sample the squared difference between its `own` look and the most similar `other` look within `reach`.
+fn unlike(
+    samples: &[&SurfaceSample],
+    reach: f32,
+    (own, other): (impl Fn(&SurfaceSample) -> Vec3 + Sync, impl Fn(&SurfaceSample) -> Vec3 + Sync),
+) -> Vec<f32> {
+    parallel::collect(samples.len(), |i| {
+        let (position, look) = (samples[i].position, own(samples[i]));
+        let is_near = |near: &&&SurfaceSample| {
+            let off = near.position - position;
+            off.dot(off) <= reach * reach
+        };
+        let square = |near: &&SurfaceSample| {
+            let off = other(near) - look;
+            off.dot(off)
+        };
+        samples.iter().filter(is_near).map(square).fold(square(&samples[i]), f32::min)
+    })
+}
+
 /// Returns the colours of an asset that differ from everything that the scan shows within `reach`: √(D / (D + m²)), where D is
 /// their mean square difference from the most similar colour of the scan, of which the mean difference is left out, and m is
 /// [`Detail::ADDED`]; and its standard error.
@@ -252,18 +258,7 @@ fn added(samples: &[&SurfaceSample], reach: f32) -> [f64; 2] {
     let some = some_of(samples);
     let offset = some.iter().fold(Vec3::default(), |sum, sample| sum + (sample.labs[1] - sample.labs[0]));
     let offset = offset * (1.0 / some.len().max(1) as f32);
-    let squares = parallel::collect(some.len(), |i| {
-        let (position, shown) = (some[i].position, some[i].labs[1] - offset);
-        let square = |other: &&SurfaceSample| {
-            let off = other.labs[0] - shown;
-            off.dot(off)
-        };
-        let is_near = |other: &&&SurfaceSample| {
-            let off = other.position - position;
-            off.dot(off) <= reach * reach
-        };
-        some.iter().filter(is_near).map(square).fold(square(&some[i]), f32::min)
-    });
+    let squares = unlike(&some, reach, (|shown| shown.labs[1] - offset, |seen| seen.labs[0]));
     with_error(some.len(), |first, step| {
         let square = mean_square(&squares, first, step);
         (square / (square + Detail::ADDED * Detail::ADDED)).sqrt()

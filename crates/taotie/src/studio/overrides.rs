@@ -188,12 +188,11 @@ impl MapOptions {
             let bitmap = if encoding == Encoding::Normal { unsigned(read(path)?)? } else { read(path)? };
             Ok(Some(whole(scene, Texture::new(bitmap, encoding))))
         };
-        let normal = load(&self.normal, Encoding::Normal)?;
         Ok(Change {
             reflectance: None,
             base_color: load(&self.base_color, Encoding::Srgb)?,
             metallic_roughness: load(&self.metallic_roughness, Encoding::Linear)?,
-            normal: normal.map(|texture| NormalMap {
+            normal: load(&self.normal, Encoding::Normal)?.map(|texture| NormalMap {
                 texture,
                 scale: self.normal_scale,
                 space: self.normal_space,
